@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 
-# eti_writable(RESULT FOLDER): whether a user's cache can be written; makes it where it is missing.
+# eti_writable(RESULT FOLDER): whether a user's cache is writable; creates it if it is missing.
 function(eti_writable result folder)
   execute_process(COMMAND ${CMAKE_COMMAND} -E make_directory "${folder}" OUTPUT_QUIET ERROR_QUIET)
   execute_process(COMMAND test -w "${folder}" RESULT_VARIABLE status OUTPUT_QUIET ERROR_QUIET)
@@ -12,8 +12,8 @@ function(eti_writable result folder)
   endif()
 endfunction()
 
-# Compilers run through ccache where it is installed. A second checkout finds what the first has compiled: paths below
-# the checkout do not count. Where the user's cache cannot be written (a read-only home), it lies in build/ccache.
+# Compilers run through ccache if it is installed. A second checkout reuses the results of the first: paths below the
+# checkout do not count. If the user's cache is not writable (a read-only home), it lies in build/ccache.
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CCACHE_SETTINGS CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Asks a GoogleTest program for its suites and writes a file of ctest cases, one a suite. Run by eti_test() after the
+# Asks a GoogleTest program for its suites and writes a file of ctest cases, one per suite. eti_test() runs it after the
 # program is built, with -D: PROGRAM (path), NAME, LABEL, OUT (path of the file).
-# Another process that began while the linker wrote the program may hold it open for a moment (ETXTBSY).
+# A process forked while the linker wrote the program may hold it open for a moment (ETXTBSY).
 foreach(try RANGE 20)
   execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status TIMEOUT 60)
   if(NOT status STREQUAL "Text file busy")
@@ -14,7 +14,7 @@ endforeach()
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: exit status ${status}\n${listed}")
 endif()
-# A suite's line ends with a point, and may say a type in a comment behind it; its tests' lines are indented.
+# A suite's line ends with a point, and may name a type in a trailing comment; its tests' lines are indented.
 string(REGEX MATCHALL "\n[^ \n][^ \n]*\\." suites "\n${listed}")
 list(REMOVE_DUPLICATES suites)
 if(NOT suites)

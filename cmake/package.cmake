@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 
-# Debian packages, one per component, by `cpack` in the build folder or by deploy/package.sh. What a program links is
-# found by dpkg-shlibdeps; what it loads or runs stands below.
+# Debian packages, one per component, built by `cpack` in the build folder or by deploy/package.sh. dpkg-shlibdeps finds
+# linked libraries; those that a program loads or runs are listed below.
 set(ETI_PACKAGE_CONTACT "The NeoETI authors <neoeti@localhost>" CACHE STRING "Maintainer named in Debian packages")
 set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
 
@@ -11,13 +11,11 @@ if(NOT ETI_CLIENT)
   list(REMOVE_ITEM packages client demo)  # the demo draws
 endif()
 
-# data: what several of the others read
-install(DIRECTORY deploy/scenarios deploy/operators deploy/presets deploy/hands deploy/dds deploy/calibration deploy/parts
-        deploy/forms deploy/scores deploy/studies
-        DESTINATION share/neoeti COMPONENT data)
+# data: read by several of the other packages
+install(DIRECTORY deploy/data/ DESTINATION share/neoeti COMPONENT data)
 install(FILES deploy/security/make_lab.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
 
-# Services, their settings, and the user that they run as
+# Services, their settings, and the user account that they run under
 install(FILES deploy/systemd/neoeti.sysusers DESTINATION lib/sysusers.d RENAME neoeti.conf COMPONENT data)
 function(eti_services component)
   foreach(service ${ARGN})
@@ -46,7 +44,7 @@ install(FILES ${CMAKE_BINARY_DIR}/package/LICENSE DESTINATION share/doc/neoeti-d
 install(PROGRAMS ${debian}/eti-demo DESTINATION bin COMPONENT demo)
 install(PROGRAMS deploy/session_run.py DESTINATION share/neoeti COMPONENT demo)
 
-# Debian wants it packed, with nothing in it that changes from run to run.
+# Debian requires a compressed changelog; -n keeps it reproducible from run to run.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${debian}/changelog)
 execute_process(COMMAND gzip -9nc ${debian}/changelog OUTPUT_FILE ${CMAKE_BINARY_DIR}/package/changelog.gz)
 
@@ -94,11 +92,11 @@ eti_package(data "scenarios, operators and profiles of the newborn-intubation si
             DEPENDS "systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS "openssl, python3")
 eti_package(server "physics server of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}" RECOMMENDS fastdds-tools SUGGESTS neoeti-doc)
-# Epoxy loads EGL and GL, these load Mesa's drivers.
+# Epoxy loads EGL and GL, which load Mesa's drivers.
 eti_package(client "trainee's and observer's views of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}, libegl1, libgl1, libopengl0, libgl1-mesa-dri"
             RECOMMENDS "fastdds-tools, fonts-dejavu-core" SUGGESTS neoeti-doc)
-# Drivers of 6-DOF mice and pads load their libraries where a person asks for such a device.
+# Drivers of 6-DOF mice and pads load their libraries when such a device is requested.
 eti_package(devices "haptic loop, trackers and calibration of the newborn-intubation simulator" ANY
             DEPENDS "neoeti-data ${ours}" RECOMMENDS "fastdds-tools, libspnav0" SUGGESTS "neoeti-doc, spacenavd")
 eti_package(tools "models, recorded sessions and benchmarks of the newborn-intubation simulator" ANY

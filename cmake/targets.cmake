@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 
-# Compile options shared by every target of ours. Floating-point contraction is off: the same source
-# then gives the same bits whether or not the compiler finds a fused multiply-add.
+# Compile options of all our targets. Floating-point contraction is off: the same source then gives the same bits
+# whether or not the compiler can use a fused multiply-add.
 add_library(eti_options INTERFACE)
 target_compile_options(eti_options INTERFACE -Wall -Wextra -Wconversion -Wno-sign-conversion -ffp-contract=off)
-# In a unity build a local name may equal a constant of another file, and GCC allows members of a type from an anonymous
-# namespace in the main file alone.
+# In a unity build a local name may equal a constant of another file, and GCC accepts members of a type from an
+# anonymous namespace only in the main file.
 if(NOT ETI_UNITY)
   target_compile_options(eti_options INTERFACE -Wshadow)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
@@ -23,9 +23,9 @@ if(ETI_SANITIZE)
   target_link_options(eti_options INTERFACE -fsanitize=${ETI_SANITIZE})
 endif()
 
-# eti_unity(TARGET BATCH): compiles a target's sources in batches of equal size, at most BATCH each. Most of a source's time
-# goes into its headers; a larger batch saves little more and takes over 1.4 GB of memory. A source with compile options or
-# definitions of its own stays by itself, and so does one whose SKIP_UNITY_BUILD_INCLUSION is set.
+# eti_unity(TARGET BATCH): compiles a target's sources in batches of equal size, at most BATCH each. Most of a source's
+# compile time goes into its headers; a larger batch saves little more and takes over 1.4 GB of memory. A source with
+# compile options or definitions of its own is compiled separately, as is one whose SKIP_UNITY_BUILD_INCLUSION is set.
 function(eti_unity target batch)
   get_target_property(sources ${target} SOURCES)
   list(LENGTH sources count)
@@ -47,8 +47,8 @@ function(eti_library name)
   eti_unity(${name} 10)
 endfunction()
 
-# A program in build/<preset>/bin. ASIDE: no session needs it, so it is not among `programs`. PACKAGE: the Debian package
-# that it goes into, see cmake/package.cmake; `none` for what runs scripts of this tree.
+# A program in build/<preset>/bin. ASIDE: no session needs it, so it is not part of `programs`. PACKAGE: its Debian
+# package, see cmake/package.cmake; `none` for programs that run scripts of this tree.
 function(eti_program name)
   cmake_parse_arguments(ARG "ASIDE" "PACKAGE" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -60,7 +60,7 @@ function(eti_program name)
   if(NOT ARG_PACKAGE)
     set(ARG_PACKAGE tools)
   endif()
-  # What is not a part of `programs` need not be there when the others are installed.
+  # Programs outside `programs` may be absent when the others are installed.
   if(ARG_ASIDE)
     set(optional OPTIONAL)
   endif()
@@ -69,25 +69,25 @@ function(eti_program name)
   endif()
 endfunction()
 
-# The first folder under tests/ that the current folder lies in: the label of its ctest cases.
+# The first folder below tests/ that contains the current folder: the label of its ctest cases.
 function(eti_test_label result)
   file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
   string(REGEX REPLACE "/.*" "" label "${path}")
   set(${result} ${label} PARENT_SCOPE)
 endfunction()
 
-# A test program; every suite becomes a ctest case PROGRAM.SUITE. One whose name begins with Whole is labelled long, too:
-# deploy/test.sh runs it with --whole alone. What the tests of a suite share, such as a newborn that
-# takes seconds to build, is then made once. Under a sanitizer, where it takes a minute, the whole program is one case.
+# A test program; every suite becomes a ctest case PROGRAM.SUITE. A suite whose name begins with Whole is also labelled
+# long: deploy/test.sh runs it only with --whole. One case per suite creates shared data, such as a newborn that takes
+# seconds to build, only once. Under a sanitizer, where that takes a minute, the whole program is one case.
 function(eti_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE eti_options GTest::gtest GTest::gtest_main ${ARG_LINK})
-  # Replaces operator new, which the compiler must not see beside its uses.
+  # Replaces operator new, which the compiler must not see together with its uses.
   set_source_files_properties(${PROJECT_SOURCE_DIR}/tests/support/allocations.cpp
                               PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   eti_unity(${name} 12)
-  # What a test itself does takes no time; compiling it does, a fifth less so. After -O3, of which the last counts.
+  # A test's own code takes no time; compiling it does, a fifth less so. After -O3: the last option counts.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   eti_test_label(label)
@@ -103,15 +103,15 @@ function(eti_test name)
     add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS ${found}
       COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DNAME=${name} -DLABEL=${label} -DOUT=${found}
               -P ${PROJECT_SOURCE_DIR}/cmake/discover_suites.cmake)
-    # A program that was not built shows as a case that cannot be run.
+    # A program that was not built appears as a case that cannot run.
     file(WRITE ${found}.include "if(EXISTS \"${found}\")\n  include(\"${found}\")\nelse()\n  add_test(${name} ${name}_NOT_BUILT)\n  set_tests_properties(${name} PROPERTIES LABELS ${label})\nendif()\n")
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${found}.include)
   endif()
 endfunction()
 
-# A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. Those named test_whole_... are labelled long,
-# too. PROPERTIES are passed to each case. Those under tests/unit are labelled scripts: they test no compiled code, so
-# sanitizers have nothing to find.
+# A Python unittest file; every test method becomes a ctest case PREFIX.METHOD. Those named test_whole_... are also
+# labelled long. PROPERTIES are passed to each case. Those below tests/unit are labelled scripts: they test no compiled
+# code, so sanitizers have nothing to find.
 function(eti_python_test prefix script)
   cmake_parse_arguments(ARG "" "TIMEOUT" "ENVIRONMENT;PROPERTIES" ${ARGN})
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${script})
@@ -135,7 +135,7 @@ function(eti_python_test prefix script)
   endforeach()
 endfunction()
 
-# Adds the rooms that a part consists of.
+# Adds the rooms of a part.
 function(eti_rooms)
   foreach(room ${ARGN})
     if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${room}/CMakeLists.txt)

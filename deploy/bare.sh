@@ -2,20 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# A bare Debian 12 in a folder, with nothing of ours: try_bare.sh and try_packages.sh read it, after setup.sh, for its
-# functions. Such a system is entered in mount and process namespaces of its own: when they end, so do its mounts and
-# whatever still runs in it.
+# A bare Debian 12 in a folder, without this project's packages: try_bare.sh and try_packages.sh source it, after
+# setup.sh, for its functions. Such a system runs in mount and process namespaces of its own: when they end, so do its
+# mounts and all of its processes.
 
 BARE_RELEASE=bookworm
 
-# The mirror of this machine's apt for Debian's main section.
+# This machine's apt mirror of Debian's main section.
 bare_mirror_of_apt() {
     # shellcheck disable=SC2016  # apt fills these in
     apt-get indextargets --format '$(CODENAME) $(COMPONENT) $(SITE)' 'Created-By: Packages' 2>/dev/null |
         sed -n "s/^$BARE_RELEASE main //p" | head -n 1
 }
 
-# bare_check MIRROR: stops where such a system cannot be made here.
+# bare_check MIRROR: stops if such a system cannot be created here.
 bare_check() {
     [ "$(id -u)" -eq 0 ] || eti_fail "needs root, to mount and to change the root folder. Run: sudo $0"
     unshare --mount --pid --fork true 2>/dev/null ||
@@ -23,7 +23,7 @@ bare_check() {
     [ -n "$1" ] || eti_fail "this machine's apt names no mirror of $BARE_RELEASE; name one with --mirror"
 }
 
-# bare_make SYSTEM MIRROR [PACKAGE...]: the system, with these packages besides the required ones.
+# bare_make SYSTEM MIRROR [PACKAGE...]: creates the system, with these packages besides the required ones.
 bare_make() {
     local system=$1 mirror=$2 more
     shift 2
@@ -33,16 +33,16 @@ bare_make() {
         tail -n 20 "$system.log" >&2
         eti_fail "debootstrap failed (see above). Remedy: check the network, or name another mirror with --mirror."
     }
-    # No services are started in a folder.
+    # No services are started in the folder.
     printf '#!/bin/sh\nexit 101\n' >"$system/usr/sbin/policy-rc.d" && chmod +x "$system/usr/sbin/policy-rc.d"
-    # It is thrown away, so nothing waits for the disk.
+    # The system is temporary, so nothing waits for the disk.
     echo force-unsafe-io >"$system/etc/dpkg/dpkg.cfg.d/unsafe-io"
     cp /etc/resolv.conf "$system/etc/"
-    # Where a proxy signs for other hosts, npm has to know its certificate.
+    # Behind a proxy that signs for other hosts, npm must know the proxy's certificate.
     [ ! -f "${NODE_EXTRA_CA_CERTS:-}" ] || cp "$NODE_EXTRA_CA_CERTS" "$system/etc/certificates-of-the-host.pem"
 }
 
-# bare_mount SYSTEM: what programs expect of a kernel. Called within the namespaces.
+# bare_mount SYSTEM: mounts the kernel's file systems. Called within the namespaces.
 bare_mount() {
     mount -t proc proc "$1/proc" && mount -t sysfs -o ro sysfs "$1/sys" && mount --rbind /dev "$1/dev" &&
         mount -t tmpfs -o size=1g,mode=1777 tmpfs "$1/dev/shm" ||
@@ -68,15 +68,15 @@ bare_as() {
         sh -c 'cd "$HOME" && exec "$@"' sh "$@"
 }
 
-# bare_enter NAME ARGUMENT...: runs the calling script with --inside SYSTEM ARGUMENT... in namespaces of their own, where
-# SYSTEM lies in a temporary folder that is removed at the end, also after Ctrl-C. Returns the script's status.
+# bare_enter NAME ARGUMENT...: runs the calling script with --inside SYSTEM ARGUMENT... in namespaces of their own,
+# where SYSTEM lies in a temporary folder that is removed at the end, also after Ctrl-C. Returns the script's status.
 bare_enter() {
     local folder child='' status
     folder=$(mktemp -d -p "${TMPDIR:-/var/tmp}" "eti-$1-XXXXXX") || return 1
     chmod 755 "$folder"
     shift
-    # KILL: unshare passes no other signal on, and ends all inside when it dies; with it go the mounts, which are seen
-    # nowhere else. So the folder holds nothing of this system when it is removed.
+    # KILL: unshare forwards no other signal, and ends all inside when it dies; its mounts, which are visible only
+    # there, are released with it. So the folder holds nothing of this system when it is removed.
     # shellcheck disable=SC2317 # called by the traps
     bare_finish() {
         [ -z "$child" ] || { kill -KILL "$child" && wait "$child"; } 2>/dev/null

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Runs tests of a build and counts them: test.sh and sanitize.sh read it, after setup.sh, for its functions.
+# Runs a build's tests and counts them: test.sh and sanitize.sh source it, after setup.sh, for its functions.
 
 # shellcheck disable=SC2034 # whoever reads this reads the numbers
 passed=0 failed=0 known=()
 known_failures=$ETI_ROOT/tests/known_failures.txt
 
-# Prints a pattern of the tests that failed, if they are few.
+# Prints a regular expression of the failed tests, if they are few.
 few_that_failed() {
     "$ETI_PYTHON" - "$1" <<'PYTHON'
 import re
@@ -21,8 +21,8 @@ if 0 < len(failed) <= 3:
 PYTHON
 }
 
-# Adds a ctest run's results to the count and names what failed, was skipped, or passed at a second try: its second
-# argument holds the results of that. What tests/known_failures.txt names ran, too; if it failed, the last line says so
+# Adds a ctest run's results to the count and names tests that failed, were skipped, or passed at a second try, whose
+# results are in the second argument. Tests in tests/known_failures.txt run, too; if one fails, the last line reports it
 # instead of counting it.
 count() {
     local counted
@@ -88,7 +88,7 @@ PYTHON
 }
 
 # run PRESET [CTEST OPTION...]: runs a built preset's tests. A run that leaves no results counts as one failure.
-# One test more than there are cores: some wait for each other's clocks.
+# One test more than there are cores: some wait for each other.
 run() {
     local preset=$1 results="$ETI_ROOT/build/$1/test-results.xml" second="$ETI_ROOT/build/$1/test-results-2.xml" pattern
     shift
@@ -97,7 +97,7 @@ run() {
     (cd "$ETI_ROOT" && eti_watched eti_read_ctest "Tests" "$ETI_ROOT/build/logs/test-$preset.log" \
         ctest --preset "$preset" --parallel "${ETI_TEST_JOBS:-$(($(eti_jobs) + 1))}" --no-tests=error \
         --test-output-size-passed 100000 --output-junit "$results" "$@")
-    # Whole programs meet on the clock of a machine that other work may have stopped for a while:
+    # Tests of whole programs depend on the clock of a machine that other work may block for a while:
     # docs/decisions/build-and-tests.md.
     pattern=
     [ -f "$results" ] && pattern=$(few_that_failed "$results")
@@ -113,13 +113,13 @@ run() {
     fi
 }
 
-# ends: prints the line "N passed, N failed", last; false unless all passed, and any did.
+# ends: prints the line "N passed, N failed" last; false unless all passed, and at least one did.
 ends() {
     echo "$passed passed, $failed failed${known[*]:+ (known to fail, and failed: ${known[*]})}"
     [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
 }
 
-# fuzz_smoke: builds the fuzz targets; each reads its kept inputs and some of its own.
+# fuzz_smoke: builds the fuzz targets; each reads its stored corpus and some inputs of its own.
 fuzz_smoke() {
     eti_say "== Building the fuzz targets in build/fuzz"
     if eti_build fuzz -DETI_TESTS=ON fuzz_targets; then run fuzz --label-regex '^fuzz$'; else failed=$((failed + 1)); fi

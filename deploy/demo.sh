@@ -13,8 +13,8 @@ Calibrates a simulated haptic device and a simulated tracker, then runs one intu
 with six processes over the bus: server, haptic device, tube tracker, the assistant's controller, the
 trainee's client and an observer's client. Prints the performance table and names the
 session file, the pictures and the video. Exit 0 only if the trachea was intubated.
-  --scenario NAME   scenario under deploy/scenarios, or a file (default: term)
-  --operator NAME   operator under deploy/operators, or a file (default: expert)
+  --scenario NAME   scenario under deploy/data/scenarios, or a file (default: term)
+  --operator NAME   operator under deploy/data/operators, or a file (default: expert)
   --out DIR         where the results go, in a folder of their own (default: out/demo)
   --domain N        DDS domain (default: 0)
   --keep-going      when a process dies, carry on with the others

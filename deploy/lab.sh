@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Installs what is missing, builds, and runs a whole lab on one machine (or, with --hosts, on several); all else is in
-# deploy/lab/lab.py, whose --help tells the options. With --no-build it neither installs nor builds.
+# Installs what is missing, builds, and runs a whole lab on one machine (or, with --hosts, on several); everything else
+# is in deploy/lab/lab.py, whose --help lists the options. With --no-build it neither installs nor builds.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 

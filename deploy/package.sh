@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Installs what is missing, builds, and leaves Debian packages in out/packages.
+# Installs what is missing, builds, and writes Debian packages to out/packages.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -50,7 +50,7 @@ cpack --config "$ETI_ROOT/build/release/CPackConfig.cmake" -B "$work" >"$work/lo
 }
 mv "$work"/*.deb "$out"/
 if command -v lintian >/dev/null; then
-    # Programs explain themselves with --help, and a project without an address of its own has no mail host.
+    # Programs document themselves with --help, and a project without a domain of its own has no mail host.
     as_root=()
     [ "$(id -u)" -eq 0 ] && as_root=(--allow-root)
     lintian "${as_root[@]}" --fail-on error \

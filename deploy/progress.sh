@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Progress of long commands in one line: setup.sh reads it for its functions. Bash alone, because on a bare system the
-# first command to be watched installs everything else.
+# One-line progress of long commands: setup.sh sources it for its functions. Bash alone, because on a bare system the
+# first such command installs everything else.
 
 eti_say() { printf '%s\n' "$*" >&2; }
 
@@ -12,16 +12,16 @@ eti_duration() {
     if [ "$1" -lt 100 ]; then echo "$1 s"; else echo "$((($1 + 30) / 60)) min"; fi
 }
 
-# Each reader takes a line of a command's output in $line. It sets finished and total where the line counts, and fails where
-# the line is for the log alone.
+# Each reader takes a line of a command's output in $line. It sets finished and total if the line counts, and fails if
+# the line is only for the log.
 eti_read_apt() {
     if [[ $line =~ ^([0-9]+)\ upgraded,\ ([0-9]+)\ newly ]]; then
-        # Each package is fetched, unpacked and set up.
+        # Each package is downloaded, unpacked and configured.
         total=$((3 * (BASH_REMATCH[1] + BASH_REMATCH[2])))
     elif [[ $line = Get:* ]]; then
         finished=$((finished + 1))
     elif [[ $line = "Unpacking "* || $line = "Setting up "* ]]; then
-        # Not all of them need to be fetched.
+        # Some of them may be downloaded already.
         [ "$((3 * finished))" -ge "$total" ] || finished=$((total / 3))
         finished=$((finished + 1))
     elif [[ $line =~ ^(Need to get|After this operation|E:|W:|Err:|dpkg: ) ]]; then
@@ -42,7 +42,7 @@ eti_read_ctest() {
     if [[ $line =~ ^\ *([0-9]+)/([0-9]+)\ (Test\ +#|MemCheck) ]]; then
         total=${BASH_REMATCH[2]}
         finished=$((finished + 1))
-        # Not one after another: the first number is the test's place in the list.
+        # Tests end out of order: the first number is the test's index in the list.
         [[ $line = *"***"* && $line != *"***Skipped"* ]] || return 1
         [[ $line = *"***Not Run"* ]] || wrong=$((wrong + 1))
         return 0
@@ -51,12 +51,12 @@ eti_read_ctest() {
     return 0
 }
 
-# Prints how far it is: over the last such line on a terminal, else as a line of its own every half minute.
+# Prints the progress: over the last such line on a terminal, otherwise as a line of its own every half minute.
 eti_show_progress() {
     local what=$1 now=$((SECONDS - began)) text left=""
     [ "$total" -gt 0 ] && [ "$finished" -gt 0 ] || return 0
     [ "$finished" -le "$total" ] || finished=$total
-    # A forecast once it rests on something.
+    # A forecast, once there is enough data.
     if [ "$finished" -lt "$total" ] && { [ "$now" -ge 20 ] || [ $((20 * finished)) -ge "$total" ]; }; then
         left=", about $(eti_duration $((now * (total - finished) / finished))) left"
     fi
@@ -71,7 +71,7 @@ eti_show_progress() {
 }
 
 # eti_watched READER WHAT LOG COMMAND...: runs the command; its output goes to LOG, standard error gets one line of
-# progress and what the reader lets through. Returns the command's status. Ctrl-C ends the command, not the reading.
+# progress and the lines that the reader passes. Returns the command's status. Ctrl-C ends the command, not the reader.
 eti_watched() {
     local reader=$1 what=$2 log=$3
     shift 3

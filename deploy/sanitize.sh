@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Fuzzes every reader, and runs unit tests and a short session under the sanitizers. Ends with "N passed, N failed".
+# Fuzzes every reader, and runs unit tests and a short session with the sanitizers. Ends with "N passed, N failed".
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/counted.sh"
@@ -27,7 +27,7 @@ A finding is a file in DIR/READER that ends its target: build/fuzz/fuzz/fuzz-REA
 USAGE
 }
 
-# number OPTION TEXT: whole numbers alone.
+# number OPTION TEXT: whole numbers only.
 number() {
     [[ $2 =~ ^[0-9]{1,12}$ ]] || { eti_say "sanitize.sh: $1 is '$2'; expected a whole number, as in $1 1000"; exit 2; }
 }
@@ -66,7 +66,7 @@ done
 [ ${#only[@]} -gt 0 ] || only=("${PARTS[@]}")
 asked() { [[ " ${only[*]} " = *" $1 "* ]]; }
 
-# fuzz READER: one target for long. A line of fuzz.csv says what was run; what it found new stays in DIR/READER.
+# fuzz READER: runs one target for a long time. A line of fuzz.csv records the run; its new inputs stay in DIR/READER.
 fuzz() {
     local folder=$out/$1 log=$out/$1.log began=$SECONDS status crashes
     mkdir -p "$folder/inputs"
@@ -84,7 +84,7 @@ fuzz() {
     fi
 }
 
-# A session without bus, recorded and simulated again, by programs of a sanitized build.
+# A session without bus, recorded and re-simulated, by programs of a sanitized build.
 session() {
     local bin=$ETI_ROOT/build/$1/bin file=$out/$1.eti.h5 log=$out/$1-session.log
     rm -f "$file"
@@ -98,7 +98,7 @@ session() {
     fi
 }
 
-# sanitized PRESET COMMAND...: with the options that the preset's tests run with.
+# sanitized PRESET COMMAND...: runs it with the options of the preset's tests.
 sanitized() {
     local preset=$1 settings
     shift
@@ -135,7 +135,7 @@ else
         asked $preset || continue
         eti_say "== Building the unit tests and the server in build/$preset"
         if eti_build $preset -DETI_TESTS=ON unit_tests fuzz_targets eti-server; then
-            # Of a whole sweep a part is among the others, as in test.sh.
+            # A part of each whole sweep is among the other tests, as in test.sh.
             GTEST_FILTER='-Whole*' run $preset --label-regex '^(unit|fuzz)$'
             session $preset
         else

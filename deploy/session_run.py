@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Runs the processes of a session, watches them, and shows what came of it.
+"""Runs and monitors the processes of a session, and shows its results.
 
-demo.sh calls this after building; the system tests use its classes to do unkind things to a session.
+demo.sh calls this after building; the system tests use its classes for failure tests.
 """
 
 import argparse
@@ -22,29 +22,29 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SPACE_NEEDED = 200e6     # [bytes] session file, pictures and video of a demo, with room to spare
-FIRST_SCENE = 120        # [s] that clients wait for it: a patient that is not in the cache is built first
-STALL_LIMIT = 180.0      # [s] without any simulation time passing before a server counts as hung
-END_BY_ITSELF = 60.0     # [s] that processes have to notice the session's end (a lease on the bus lasts 1.5 s), and
-                         # clients, which yield to others, to draw their last pictures
+FIRST_SCENE = 120        # [s] that clients wait for it: a patient missing from the cache is built first
+STALL_LIMIT = 180.0      # [s] without progress of the simulation time after which a server counts as hung
+END_BY_ITSELF = 60.0     # [s] for processes to notice the session's end (a lease on the bus lasts 1.5 s), and
+                         # for clients, which run at low priority, to draw their last pictures
 END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
-USUAL_SESSION = 20       # [s] of simulation time that the expert's attempt takes
+USUAL_SESSION = 20       # [s] of simulation time of the expert's attempt
 LONGEST_SESSION = 120    # [s] of simulation time
-SUCTION = (1.0, 2.0)     # [s] of simulation time, between which the assistant holds the pad's suction button
+SUCTION = (1.0, 2.0)     # [s] of simulation time between which the assistant holds the pad's suction button
 PR_SET_PDEATHSIG = 1
 
 
 def die_with_parent():
-    """Has the kernel end this process when its parent dies, so that none is left running alone."""
+    """Lets the kernel end this process when its parent dies."""
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def say(text):
-    """A line on standard error, in the place of a line of progress on a terminal."""
+    """Prints a line on standard error, replacing a progress line on a terminal."""
     print(("\r\033[K" if sys.stderr.isatty() else "") + text, file=sys.stderr, flush=True)
 
 
 class Program:
-    """One process of a session: its command, its log, and how it ended."""
+    """One process of a session: its command, log, and exit status."""
 
     def __init__(self, name, command, folder):
         self.name = name
@@ -56,7 +56,7 @@ class Program:
 
     def start(self):
         self.log.parent.mkdir(parents=True, exist_ok=True)
-        # A session of its own: Ctrl-C in the terminal reaches this script alone, which ends the others in order.
+        # A process session of its own: Ctrl-C in the terminal reaches only this script, which ends the others in order.
         with self.log.open("wb") as log, self.output.open("wb") as output:
             self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL, stdout=output, stderr=log,
                                             start_new_session=True, preexec_fn=die_with_parent)
@@ -73,7 +73,7 @@ class Program:
             self.process.send_signal(number)
 
     def wait(self, seconds):
-        """True if the process has ended within `seconds`."""
+        """Returns whether the process has ended within `seconds`."""
         try:
             self.process.wait(max(0.0, seconds))
             return True
@@ -94,7 +94,7 @@ class Program:
 
 
 class Pad:
-    """A game pad that is not there: a pipe with a name, out of which the kernel's joystick events come."""
+    """A simulated game pad: a named pipe that delivers the kernel's joystick events."""
 
     BUTTON, AXIS = 1, 2  # JS_EVENT_BUTTON, JS_EVENT_AXIS of linux/joystick.h
 
@@ -104,14 +104,14 @@ class Pad:
 
     def plug_in(self):
         os.mkfifo(self.file)
-        # Both ways, so that opening does not wait for the reader.
+        # Opened for both, so that opening does not block until the reader opens it.
         self.pipe = os.open(self.file, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
 
     def press(self, button, down):
         self._write(int(down), self.BUTTON, button)
 
     def move(self, axis, share):
-        """A stick, to -1..1 of its way."""
+        """Moves a stick to -1..1 of its range."""
         self._write(round(32767 * share), self.AXIS, axis)
 
     def _write(self, value, kind, number):
@@ -125,7 +125,7 @@ class Pad:
 
 
 class Session:
-    """Its processes: server, haptics, tracker, controller, trainee, observer."""
+    """Processes of a session: server, haptics, tracker, controller, trainee, observer."""
 
     def __init__(self, bin_folder, folder, scenario="term", operator="expert", domain=0, name=None, extra=None,
                  say=say):
@@ -135,7 +135,7 @@ class Session:
         self.record = self.folder / "session.eti.h5"
         self.say = say
         self.on_terminal = sys.stderr.isatty()
-        self.stopping = None    # why the session is being stopped early, if it is
+        self.stopping = None    # reason for stopping the session early, if any
         bus = ["--session", self.name, "--domain", domain]
         commands = {
             "server": ["eti-server", "--scenario", scenario, "--record", self.record, "--finish-after-attempt",
@@ -157,7 +157,7 @@ class Session:
         self.suction = False
 
     def calibrate(self):
-        """Registers both devices as a person would who touches the board's points, and keeps the files."""
+        """Registers both devices as a person would by touching the board's points, and keeps the files."""
         for device in ("simulated", "scripted"):
             done = subprocess.run([self.bin / "eti-calibrate", "simulate", "--device", device, "--out",
                                    self.folder / f"{device}.yaml"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
@@ -183,14 +183,15 @@ class Session:
         return (float(found[-1][0]), float(found[-1][1])) if found else None
 
     def assist(self, time_s):
-        """What the assistant's thumb does at this simulation time."""
+        """The assistant's input at this simulation time."""
         wanted = SUCTION[0] <= time_s < SUCTION[1]
         if wanted != self.suction:
             self.suction = wanted
             self.pad.press(0, wanted)
 
     def show_progress(self, progress):
-        """One line, over the last one on a terminal: simulated time, and the share of an attempt's usual time."""
+        """One line, replacing the last one on a terminal: simulation time, and the share of an attempt's usual
+        duration."""
         simulated, behind = progress
         line = f"simulated {simulated:.1f} s of about {USUAL_SESSION:.0f} s, {behind:.1f} s behind the clock"
         if self.on_terminal:
@@ -199,14 +200,14 @@ class Session:
             self.say(line)
 
     def stop(self, why):
-        """Asks the server to finish the session; the others end when it has."""
+        """Asks the server to finish the session; the others end after it."""
         if self.stopping is None:
             self.stopping = why
             self.say(f"Stopping: {why}.")
             self.server.send(signal.SIGINT)
 
     def report_ended(self):
-        """Says of each process that has newly ended how; returns those that did not end well."""
+        """Reports how each newly ended process ended; returns those that failed."""
         failed = []
         for program in self.programs.values():
             if program.running() or program.reported:
@@ -220,7 +221,7 @@ class Session:
         return failed
 
     def watch(self, keep_going=False):
-        """Waits until the server has ended; False if it hung. When another process dies, stops the session."""
+        """Waits until the server has ended; returns False if it hung. When another process dies, stops the session."""
         began = moved = shown = time.monotonic()
         last = None
         asked = None
@@ -251,7 +252,8 @@ class Session:
             time.sleep(0.1)
 
     def finish(self):
-        """Lets every process end by itself, then ends what remains. Returns the names of those that would not."""
+        """Lets every process end by itself, then ends the remaining ones. Returns the names of those that had to be
+        killed."""
         late = []
         deadline = time.monotonic() + (END_BY_ITSELF if not self.server.running() else 0.0)
         for program in self.programs.values():
@@ -271,14 +273,14 @@ class Session:
         return late
 
     def summary(self):
-        """The session's summary as eti-review gives it: a dictionary, and the printed table."""
+        """The session's summary from eti-review: a dictionary, and the printed table."""
         review = [self.bin / "eti-review", "summary", self.record]
         as_json = subprocess.run([*review, "--json"], stdout=subprocess.PIPE, text=True, check=True)
         table = subprocess.run(review, stdout=subprocess.PIPE, text=True, check=True)
         return json.loads(as_json.stdout), table.stdout
 
     def report(self):
-        """Writes the page about the session; its path, or None where eti-review was built without it."""
+        """Writes the report page of the session; returns its path, or None if eti-review was built without it."""
         done = subprocess.run([self.bin / "eti-review", "report", self.record, "--out", self.folder],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
@@ -294,13 +296,13 @@ class Session:
             return {}
 
     def products(self, suffix):
-        """Files of a kind that the clients made, oldest first."""
+        """Files of a kind written by the clients, oldest first."""
         found = [file for role in ("trainee", "observer") for file in (self.folder / role).glob(f"*{suffix}")]
         return sorted((file for file in found if file.stat().st_size > 0), key=lambda file: file.stat().st_mtime)
 
 
 def prepare_folder(folder):
-    """Makes the folder for results and tries it; raises SystemExit with what is wrong and what to do."""
+    """Creates the results folder and checks that it is writable; raises SystemExit with the problem and its remedy."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         trial = folder / ".written"
@@ -316,7 +318,7 @@ def prepare_folder(folder):
 
 
 def pace(server, haptics):
-    """How well server and hand kept up, by what they printed at their end: lines of a table."""
+    """How well server and hand kept up with real time, from their final reports: lines of a table."""
     rows = []
     if haptics.get("cycles", 0) > 0:
         rows.append(("Forces were whole", f"{100 * (1 - haptics['stale_share']):.1f} % of the time"))
@@ -332,7 +334,7 @@ def pace(server, haptics):
 
 
 def show(session):
-    """Prints what came of a session; True if the trachea was intubated and everything asked for is there."""
+    """Prints a session's results; returns True if the trachea was intubated and all requested files exist."""
     try:
         summary, table = session.summary()
     except (subprocess.CalledProcessError, json.JSONDecodeError) as error:

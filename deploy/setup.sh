@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Installs the Debian packages that are missing and builds a preset. Run by itself it installs what
-# building and testing need; demo.sh and test.sh read it for its functions.
+# Installs missing Debian packages and builds a preset. Run by itself it installs everything for building and testing;
+# demo.sh and test.sh source it for its functions.
 
 ETI_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=deploy/progress.sh
 . "$ETI_ROOT/deploy/progress.sh"
 
-# Debian's interpreter wherever it is: h5py and the like belong to it, and another may be first on the path.
+# Debian's interpreter, which has Debian's h5py and similar modules; another one may be first on the path.
 ETI_PYTHON=/usr/bin/python3
 [ -x $ETI_PYTHON ] || ETI_PYTHON=python3
 
@@ -23,24 +23,24 @@ eti_packages() {
     done | awk '!seen[$0]++'
 }
 
-# Whether there is an npm that can bundle the report's page: on the path, run by Node.js 18 or newer.
+# Whether there is an npm that can bundle the report's page: on the path, with Node.js 18 or newer.
 eti_has_npm() {
     local version
     command -v npm >/dev/null && version=$(node --version 2>/dev/null) && [[ $version =~ ^v([0-9]+)\. ]] &&
         [ "${BASH_REMATCH[1]}" -ge 18 ] && npm --version >/dev/null 2>&1
 }
 
-# Of the packages named, those that are not installed.
+# Prints those of the named packages that are not installed.
 eti_missing() {
     local installed
     installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | sed -n 's/^installed //p')
-    # A nodejs that is not Debian's brings its own npm, and apt would have to remove it for Debian's.
+    # A nodejs from elsewhere includes npm, and apt would have to replace it by Debian's.
     eti_has_npm && installed+=$'\nnpm'
     printf '%s\n' "$@" | grep -vxF "${installed:-none}"
 }
 
-# eti_install LIST...: installs what is missing of these lists. Says what before it does; asks the
-# network nothing when nothing is missing.
+# eti_install LIST...: installs the missing packages of these lists. Announces each step; does not use the network when
+# nothing is missing.
 eti_install() {
     local wanted missing as_root=() release
     mapfile -t wanted < <(eti_packages "$@")
@@ -62,8 +62,8 @@ eti_install() {
         as_root=(sudo)
         eti_say "sudo may ask for your password."
     fi
-    # Waits for another apt to finish. A mirror that cannot be reached counts as an error, not as a remark;
-    # it may be one that is not needed, so installing is tried all the same.
+    # Waits for another apt to finish. An unreachable mirror is an error, not a warning; it may not be needed, so the
+    # installation is tried all the same.
     local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 apt-get -q
                -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
     local updated=yes logs=$ETI_ROOT/build/logs
@@ -74,7 +74,7 @@ eti_install() {
         updated=no
         eti_say "apt-get update failed (see above); trying with the package lists at hand."
     }
-    # What an installation that was cut off has left half done is not missing to apt-get, but stops it.
+    # For apt-get, packages left half configured by an interrupted installation are not missing, but stop it.
     "${as_root[@]}" dpkg --configure -a >"$logs/dpkg.log" 2>&1 </dev/null
     eti_watched eti_read_apt "Installing" "$logs/apt-install.log" \
         "${apt[@]}" install -y --no-install-recommends "${missing[@]}" && return 0
@@ -86,7 +86,7 @@ eti_install() {
              "not found, this system's release differs from Debian 12; if a download failed, run this again."
 }
 
-# Memory [kB] that programs here may use: the machine's, or less where a container or a service has a limit.
+# Memory [kB] available to programs here: the machine's, or less if a container or a service has a limit.
 eti_memory_kb() {
     local memory_kb limit file
     memory_kb=$(sed -n 's/^MemTotal: *\([0-9]*\).*/\1/p' /proc/meminfo)
@@ -98,7 +98,7 @@ eti_memory_kb() {
     echo "$memory_kb"
 }
 
-# Compilers at once: one per core, and 1.5 GB of memory for each (the largest sources need about 1.2 GB).
+# Number of compilers: one per core, and 1.5 GB of memory for each (the largest sources need about 1.2 GB).
 eti_jobs() {
     local cores by_memory
     cores=$(nproc)
@@ -134,15 +134,15 @@ eti_build() {
     }
 }
 
-# eti_build_programs TARGET...: programs of build/release, which need no package for tests. A new folder is configured
-# without tests; one that has them keeps them.
+# eti_build_programs TARGET...: builds programs in build/release, without the packages for tests. A new folder is
+# configured without tests; an existing one that has them keeps them.
 eti_build_programs() {
     local fresh=()
     [ -f "$ETI_ROOT/build/release/build.ninja" ] || fresh=(-DETI_TESTS=OFF)
     eti_build release "${fresh[@]}" "$@"
 }
 
-# eti_phase NAME: ends a phase of the script; eti_phases tells how long each took.
+# eti_phase NAME: ends a phase of the script; eti_phases prints the duration of each.
 # shellcheck disable=SC2034 # whoever reads this prints it
 eti_phases="" eti_phase_began=0
 eti_phase() {
@@ -150,7 +150,7 @@ eti_phase() {
     eti_phase_began=$SECONDS
 }
 
-# For scripts that build: Ctrl-C leaves what is done, and says so.
+# For scripts that build: on Ctrl-C, keeps the finished part and says so.
 eti_resumable() {
     trap 'eti_say ""; eti_say "Stopped. The same command goes on from here: what is installed and built stays."; exit 130' INT
 }

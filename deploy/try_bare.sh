@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Runs both commands of the README on a bare Debian 12 in a folder: what a newcomer meets.
+# Runs both commands of the README on a bare Debian 12 in a folder, like a new user.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/bare.sh"
@@ -27,7 +27,7 @@ Needs root, 12 GB in TMPDIR (default /var/tmp), and a mirror: that of this machi
 USAGE
 }
 
-# The checkout's files as they are now; those that git ignores stay here. With a clone's .git, if asked.
+# Copies the checkout's present files, except those that git ignores; with a clone's .git, if requested.
 copy_checkout() {
     local to=$1 with_git=$2
     mkdir -p "$to"
@@ -42,7 +42,7 @@ copy_checkout() {
 
 megabytes() { du -sm --one-file-system "$@" 2>/dev/null | awk '{ sum += $1 } END { print sum + 0 }'; }
 
-# run_command WHO SCRIPT FOLDER: one of the two commands; a row for the table.
+# run_command WHO SCRIPT FOLDER: runs one of the two commands and prints a table row.
 run_command() {
     local who=$1 script=$2 folder=$3 log=$logs/$1-$2.log status=0 phases missing
     eti_say "== deploy/$script.sh as $who"
@@ -70,7 +70,7 @@ inside() {
     for who in $whom; do
         system=$base-$who folder="/root/neoeti"
         cp -a "$base" "$system" && bare_mount "$system" || exit 1
-        # Packages are fetched once for both.
+        # Packages are downloaded once for both.
         mount --bind "$base/var/cache/apt/archives" "$system/var/cache/apt/archives" || exit 1
         if [ "$who" = user ]; then
             folder="/home/$USER_THERE/neo eti"

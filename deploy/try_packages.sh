@@ -9,7 +9,7 @@ set -u
 . "$(dirname "${BASH_SOURCE[0]}")/bare.sh"
 
 USER_THERE=trainee
-DOMAIN_THERE=91          # apart from whatever else runs on this machine
+DOMAIN_THERE=91          # separate from any other program on this machine
 
 usage() {
     cat <<USAGE

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Writes the tables of keys and parameters into the documents, from what the server says of itself.
+"""Writes the tables of keys and parameters into the documents, from the server's own output.
 
-A table stands between "<!-- table: NAME -->" and "<!-- end -->". --check changes nothing and exits 1 where a document
+A table stands between "<!-- table: NAME -->" and "<!-- end -->". --check changes nothing and exits 1 if a document
 holds another table.
 """
 

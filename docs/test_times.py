@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Prints as a table where the time of deploy/test.sh went, from the results that its run left in the build folder."""
+"""Prints a table of the time spent in deploy/test.sh, from the results that its run left in the build folder."""
 
 import argparse
 import collections

@@ -10,14 +10,14 @@
 
 #include <fmt/format.h>
 
-#include "client/render/annotation_pass.hpp"
-#include "client/view/airway_axes.hpp"
+#include "client/render/passes/annotation_pass.hpp"
+#include "client/view/sight/airway_axes.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::client {
 namespace {
 
-/// Where points of the scene lie in a picture.
+/// Projects points of the scene into a picture.
 class Projection {
   public:
     Projection(const render::Camera& camera, const hud::Tile& tile)
@@ -26,15 +26,15 @@ class Projection {
           corner_(static_cast<float>(tile.x), static_cast<float>(tile.y)),
           half_(0.5f * static_cast<float>(tile.width), 0.5f * static_cast<float>(tile.height)) {}
 
-    /// Pixels from the picture's upper left; nothing for what lies behind the camera.
+    /// Pixels from the picture's upper left; nullopt behind the camera.
     [[nodiscard]] std::optional<Eigen::Vector2f> pixel(const Vec3f& point) const {
         const Eigen::Vector4f clip = matrix_ * point.homogeneous();
         return clip.w() > 0.0f ? std::optional(pixel_of(clip)) : std::nullopt;
     }
-    /// Both ends of what of a line lies before the camera.
+    /// Both ends of the part of a line in front of the camera.
     [[nodiscard]] std::optional<std::pair<Eigen::Vector2f, Eigen::Vector2f>> line(const Vec3f& from,
                                                                                   const Vec3f& to) const {
-        constexpr float nearest = 1e-2f;  // [m]; nearer ones would lie far outside
+        constexpr float nearest = 1e-2f;  // [m]; nearer points would project far outside
         Eigen::Vector4f a = matrix_ * from.homogeneous(), b = matrix_ * to.homogeneous();
         if (a.w() < nearest && b.w() < nearest) {
             return std::nullopt;
@@ -63,23 +63,23 @@ void add(std::vector<hud::Mark>& marks, const Projection& projection, const Vec3
     }
 }
 
-void add_sight(std::vector<hud::Mark>& marks, const Projection& projection, const view::Look& look,
-               bool whole) {
+void add_line_of_sight(std::vector<hud::Mark>& marks, const Projection& projection,
+                       const view::LineOfSight& look, bool whole) {
     const auto& [sight, met] = look;
     if (whole) {
-        add(marks, projection, sight.from, met ? met->where : sight.to, hud::Level::good);
+        add(marks, projection, sight.from, met ? met->position : sight.to, hud::Level::good);
     }
     if (met) {
         if (whole) {
-            add(marks, projection, met->where, sight.to, hud::Level::bad);
+            add(marks, projection, met->position, sight.to, hud::Level::bad);
         }
-        add(marks, projection, met->where, met->where, hud::Level::bad, std::string(met->name));
+        add(marks, projection, met->position, met->position, hud::Level::bad, std::string(met->name));
     } else {
         add(marks, projection, sight.to, sight.to, hud::Level::good, "glottis in sight");
     }
 }
 
-// What was written beside points; the points themselves lie in the scene.
+// Texts beside points; the points themselves are drawn in the scene.
 void add_words(std::vector<hud::Mark>& marks, const Projection& projection, const render::View& view,
                const view::SceneView& scene, const render::Vantage& from) {
     for (const render::DrawnMark& mark : render::drawn_marks(view, scene, from)) {
@@ -93,59 +93,61 @@ void add_words(std::vector<hud::Mark>& marks, const Projection& projection, cons
 void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const view::SceneView& scene) {
     const view::AirwayAxes axes = view::airway_axes(scene.landmarks(), scene.live().head_elevation);
     const auto degrees = [](float angle) { return static_cast<double>(angle / degree); };
-    // The angle to the axis before stands beside each but the first.
+    // Each axis but the first shows its angle to the previous one.
     const std::array texts{std::string(axes.axes[0].name),
                            fmt::format("{}, {:.0f} deg", axes.axes[1].name, degrees(axes.mouth_to_throat)),
                            fmt::format("{}, {:.0f} deg", axes.axes[2].name, degrees(axes.throat_to_larynx))};
     for (std::size_t i = 0; i < texts.size(); ++i) {
-        // A worn eye may have come nearer than an axis reaches.
+        // A headset's eye may be nearer than the axis extends.
         if (const auto line = projection.line(axes.axes[i].from, axes.axes[i].to)) {
             marks.push_back({line->first, line->second, hud::Level::neutral, texts[i]});
         }
     }
 }
 
-bool shows_look(const render::View& view) {
+bool shows_line_of_sight(const render::View& view) {
     return view.has(render::Overlay::line_of_sight) || view.has(render::Overlay::sight_dot);
 }
 
 }  // namespace
 
-std::optional<view::Look> look_for(const std::vector<const render::View*>& views,
-                                   const view::SceneView& scene, const render::Vantage& from) {
-    const bool shown = scene.metrics() && scene.shows(&LiveValues::view_sight_line) &&
-                       std::ranges::any_of(views, [](const render::View* view) { return shows_look(*view); });
-    return shown ? std::optional(view::look_of(scene, from.eye)) : std::nullopt;
+std::optional<view::LineOfSight> find_line_of_sight(const std::vector<const render::View*>& views,
+                                                    const view::SceneView& scene,
+                                                    const render::Vantage& from) {
+    const bool shown =
+        scene.metrics() && scene.shows(&RuntimeParameters::view_sight_line) &&
+        std::ranges::any_of(views, [](const render::View* view) { return shows_line_of_sight(*view); });
+    return shown ? std::optional(view::trace_line_of_sight(scene, from.eye)) : std::nullopt;
 }
 
-std::optional<hud::Mark> line_of(const Vec3f& from, const Vec3f& to, const render::Camera& camera,
-                                 const hud::Tile& tile) {
+std::optional<hud::Mark> project_line(const Vec3f& from, const Vec3f& to, const render::Camera& camera,
+                                      const hud::Tile& tile) {
     const auto line = Projection(camera, tile).line(from, to);
     return line ? std::optional(hud::Mark{line->first, line->second, hud::Level::neutral, {}}) : std::nullopt;
 }
 
-std::vector<hud::Mark> aids_of(const render::View& view, const render::Camera& camera,
-                               const view::SceneView& scene, const render::Vantage& from,
-                               const std::optional<view::Look>& look, const hud::Tile& tile) {
+std::vector<hud::Mark> aid_marks(const render::View& view, const render::Camera& camera,
+                                 const view::SceneView& scene, const render::Vantage& from,
+                                 const std::optional<view::LineOfSight>& look, const hud::Tile& tile) {
     using render::Overlay;
     std::vector<hud::Mark> marks;
     if (!scene.metrics()) {
         return marks;
     }
     const Projection projection(camera, tile);
-    if (view.has(Overlay::axes) && scene.shows(&LiveValues::view_axes)) {
+    if (view.has(Overlay::axes) && scene.shows(&RuntimeParameters::view_axes)) {
         add_axes(marks, projection, scene);
     }
-    if (look && shows_look(view)) {
-        add_sight(marks, projection, *look, view.has(Overlay::line_of_sight));
+    if (look && shows_line_of_sight(view)) {
+        add_line_of_sight(marks, projection, *look, view.has(Overlay::line_of_sight));
     }
     if (view.has(render::Pass::annotations)) {
         add_words(marks, projection, view, scene, from);
     }
-    if (view.has(Overlay::gum_force) && scene.shows(&LiveValues::view_gum_force)) {
+    if (view.has(Overlay::gum_force) && scene.shows(&RuntimeParameters::view_gum_force)) {
         const Vec3f gum = scene.gum_contact().value_or(at(scene.landmarks(), Landmark::upper_gum));
         const float force = scene.metrics()->gum_force_n();
-        // The name of the dot, which is often near, stands at the right.
+        // The name of the nearby dot is on the right.
         add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force), true);
     }
     return marks;

@@ -6,28 +6,29 @@
 #include <vector>
 
 #include "client/hud/hud.hpp"
-#include "client/render/view_table.hpp"
-#include "client/view/line_of_sight.hpp"
+#include "client/render/views/view_table.hpp"
 #include "client/view/scene_view.hpp"
+#include "client/view/sight/line_of_sight.hpp"
 
 namespace eti::client {
 
-/// What the session's aids draw over a view that fills `tile`, through one of its cameras: the upper gum in
-/// the colour of the force on it, where it is pressed; the look onto the glottis, with the name of what it
-/// meets first; the axes of the airway. `look`: where the session asks for it; it is the same in every view
-/// of a picture.
-[[nodiscard]] std::vector<hud::Mark> aids_of(const render::View& view, const render::Camera& camera,
-                                             const view::SceneView& scene, const render::Vantage& from,
-                                             const std::optional<view::Look>& look, const hud::Tile& tile);
+/// Returns the marks of the session's aids for a view that fills `tile`, seen through one of its cameras.
+/// They are the upper gum in the colour of its contact force while it is pressed, the line of sight to the
+/// glottis with its first obstacle, and the airway axes. `look`: the line of sight if the session requests
+/// it; the same for every view of a picture.
+[[nodiscard]] std::vector<hud::Mark> aid_marks(const render::View& view, const render::Camera& camera,
+                                               const view::SceneView& scene, const render::Vantage& from,
+                                               const std::optional<view::LineOfSight>& look,
+                                               const hud::Tile& tile);
 
-/// The look onto the glottis, where the session asks for it and one of these views shows it: every surface is
-/// tried for it, once for all views.
-[[nodiscard]] std::optional<view::Look> look_for(const std::vector<const render::View*>& views,
-                                                 const view::SceneView& scene, const render::Vantage& from);
+/// Returns the line of sight to the glottis if the session requests it and one of these views shows it.
+/// Tests every surface, once for all views.
+[[nodiscard]] std::optional<view::LineOfSight> find_line_of_sight(
+    const std::vector<const render::View*>& views, const view::SceneView& scene, const render::Vantage& from);
 
-/// A line between two points [m], patient frame, as a camera that fills `tile` sees it; nothing where all of
-/// it lies behind the camera.
-[[nodiscard]] std::optional<hud::Mark> line_of(const Vec3f& from, const Vec3f& to,
-                                               const render::Camera& camera, const hud::Tile& tile);
+/// Projects a line between two points [m], patient frame, through a camera that fills `tile`; nullopt if
+/// the whole line lies behind the camera.
+[[nodiscard]] std::optional<hud::Mark> project_line(const Vec3f& from, const Vec3f& to,
+                                                    const render::Camera& camera, const hud::Tile& tile);
 
 }  // namespace eti::client

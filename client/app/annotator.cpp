@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "client/app/special_keys.hpp"
-#include "common/bus/convert.hpp"
+#include "client/app/window/special_keys.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/model/utf8.hpp"
 
 namespace eti::client {
 namespace {
 
-// As UTF-8; what is typed is no surrogate.
+// UTF-8; typed characters are never surrogates.
 std::string encoded(char32_t c) {
     const auto byte = [](char32_t bits) { return static_cast<char>(static_cast<unsigned char>(bits)); };
     if (c < 0x80) {
@@ -29,21 +29,21 @@ std::string encoded(char32_t c) {
 
 }  // namespace
 
-void Annotator::start(const render::Picked& at) {
+void Annotator::start(const render::PickHit& at) {
     sketch_ = view::Annotation{0, msg::ANNOTATION_STROKE, sender_, {}, at.object, {at.place}};
 }
 
-void Annotator::begin(const std::optional<render::Picked>& at) {
+void Annotator::begin(const std::optional<render::PickHit>& at) {
     sketch_.reset();
     if (!at || at->object.empty()) {
-        trouble_ = at ? fmt::format("the {} bears no marks: point at tissue or at the blade", at->name)
-                      : "nothing is there to be marked";
+        error_ = at ? fmt::format("the {} bears no marks: point at tissue or at the blade", at->name)
+                    : "nothing is there to be marked";
         return;
     }
     start(*at);
 }
 
-void Annotator::lead(const std::optional<render::Picked>& at) {
+void Annotator::extend(const std::optional<render::PickHit>& at) {
     const bool on_something = at && !at->object.empty();
     if (sketch_ && (!on_something || at->object != sketch_->object)) {
         end();
@@ -88,7 +88,7 @@ void Annotator::press(char32_t key) {
         words_.reset();
     } else if (key == key_backspace) {
         if (!words_->empty()) {
-            words_->resize(whole_characters(*words_, words_->size() - 1));
+            words_->resize(utf8_prefix_length(*words_, words_->size() - 1));
         }
     } else if (const std::string more = encoded(key);
                key >= U' ' && key != 0x7f && words_->size() + more.size() <= msg::bound::Annotation_text) {
@@ -117,7 +117,7 @@ void Annotator::send(msg::AnnotationKind kind, std::string text, const view::Ann
         }
     }
     if (!send_(message)) {
-        trouble_ = "no server takes remarks or marks";
+        error_ = "no server takes remarks or marks";
     }
 }
 

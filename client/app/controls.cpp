@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "client/app/compositor.hpp"
-#include "client/app/vantage_controls.hpp"
+#include "client/app/window/compositor.hpp"
+#include "client/app/window/vantage_controls.hpp"
 
 namespace eti::client {
 namespace {
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 
 constexpr auto notice_for = 5s;
 constexpr auto command_delivery_wait = 500ms;
-constexpr float mark_step = 4.0f;  // [pixels], between two places of a drawn line
+constexpr float mark_step = 4.0f;  // [pixels], between two points of a drawn line
 
 constexpr char32_t key_follow = U't', key_write = U'w', key_wipe = U'z';
 const std::vector<std::pair<std::string, std::string>> mark_keys{
@@ -52,14 +52,14 @@ std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool m
 }
 
 void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, Time now) {
-    if (const Selection* const chosen = key < 128 ? selection_of_key(static_cast<char>(key)) : nullptr) {
+    if (const Selection* const chosen = key < 128 ? selection_for_key(static_cast<char>(key)) : nullptr) {
         selection_ = chosen;
     } else if (key == U'h' || key == U'?') {
         help_ = repeated ? help_ : !help_;
-    } else if (key == key_follow && watches_ && !repeated) {
-        follows_ = !follows_;
-        if (follows_ && !scene.trainees_eye()) {
-            say("no trainee's client says where the eye is", now);
+    } else if (key == key_follow && may_follow_trainee_ && !repeated) {
+        follows_trainee_ = !follows_trainee_;
+        if (follows_trainee_ && !scene.trainee_eye()) {
+            show_notice("no trainee's client says where the eye is", now);
         }
     } else if (key == key_write && annotator_ != nullptr && !repeated) {
         annotator_->write();
@@ -69,9 +69,9 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
         moved->press(vantage_, scene.landmarks());
     } else if (const CommandKey* const command = command_key(key)) {
         if (commands_ == nullptr) {
-            say("an observer gives no commands", now);
+            show_notice("an observer gives no commands", now);
         } else if (!scene.metrics()) {
-            say("no server has said yet how its patient is", now);
+            show_notice("no server has said yet how its patient is", now);
         } else {
             send(typing_.press(*command, repeated, scene.live(), now), now);
         }
@@ -85,11 +85,11 @@ void Controls::release(char32_t key, Time now) {
 }
 
 void Controls::follow(const view::SceneView& scene) {
-    if (follows_ && scene.trainees_eye()) {
-        own_eye_ = own_eye_ ? own_eye_ : vantage_.eye;
-        vantage_.eye = view::TraineeEye::worn(*scene.trainees_eye());
-    } else if (own_eye_) {
-        vantage_.eye = *std::exchange(own_eye_, std::nullopt);
+    if (follows_trainee_ && scene.trainee_eye()) {
+        saved_eye_ = saved_eye_ ? saved_eye_ : vantage_.eye;
+        vantage_.eye = view::TraineeEye::from_headset(*scene.trainee_eye());
+    } else if (saved_eye_) {
+        vantage_.eye = *std::exchange(saved_eye_, std::nullopt);
     }
     if (annotator_ != nullptr) {
         vantage_.sketch = annotator_->sketch();
@@ -98,21 +98,21 @@ void Controls::follow(const view::SceneView& scene) {
 
 void Controls::type(char32_t key, Time now) {
     annotator_->press(key);
-    if (std::string trouble = annotator_->take_trouble(); !trouble.empty()) {
-        say(std::move(trouble), now);
+    if (std::string trouble = annotator_->take_error(); !trouble.empty()) {
+        show_notice(std::move(trouble), now);
     }
 }
 
 void Controls::draw_mark(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now) {
     const bool moved = std::hypot(mouse.at_x - marked_x_, mouse.at_y - marked_y_) >= mark_step;
-    if (mouse.mark == Drag::Mark::goes_on && !moved) {
+    if (mouse.mark == Drag::Mark::continues && !moved) {
         return;
     }
     marked_x_ = mouse.at_x;
     marked_y_ = mouse.at_y;
     if (mouse.mark == Drag::Mark::ends) {
         annotator_->end();
-    } else if (const auto placed =  // the picture in which it began
+    } else if (const auto placed =  // the picture in which the mark began
                placed_at(*selection_, scene, width, height, mouse.from_x, mouse.from_y)) {
         const auto left = static_cast<float>(placed->tile.x), top = static_cast<float>(placed->tile.y);
         const auto wide = static_cast<float>(placed->tile.width),
@@ -122,10 +122,10 @@ void Controls::draw_mark(const Drag& mouse, const view::SceneView& scene, int wi
         const bool inside = std::abs(x) <= 1.0f && std::abs(y) <= 1.0f;
         const auto at =
             inside ? render::pick(*placed->view, scene, vantage_, wide / high, x, y) : std::nullopt;
-        mouse.mark == Drag::Mark::begins ? annotator_->begin(at) : annotator_->lead(at);
+        mouse.mark == Drag::Mark::begins ? annotator_->begin(at) : annotator_->extend(at);
     }
-    if (std::string trouble = annotator_->take_trouble(); !trouble.empty()) {
-        say(std::move(trouble), now);
+    if (std::string trouble = annotator_->take_error(); !trouble.empty()) {
+        show_notice(std::move(trouble), now);
     }
 }
 
@@ -139,7 +139,7 @@ void Controls::drag(const Drag& mouse, const view::SceneView& scene, int width, 
     }
 }
 
-void Controls::let_go(Time now) {
+void Controls::release_all_keys(Time now) {
     bool any = false;
     for (const CommandKey& key : command_keys()) {
         if (const auto command = typing_.release(key)) {
@@ -152,27 +152,27 @@ void Controls::let_go(Time now) {
     }
 }
 
-void Controls::tend(Time now) {
+void Controls::update(Time now) {
     if (commands_ != nullptr) {
         refusals_ = commands_->take_answers();
         for (const bus::Refusal& refusal : refusals_) {
-            say(fmt::format("refused: {}", refusal.reason), now);
+            show_notice(fmt::format("refused: {}", refusal.reason), now);
         }
     }
 }
 
-void Controls::send(const std::optional<WantedCommand>& command, Time now) {
+void Controls::send(const std::optional<CommandRequest>& command, Time now) {
     if (command && !commands_->send(command->name, command->value)) {
-        say("no server takes commands", now);
+        show_notice("no server takes commands", now);
     }
 }
 
-void Controls::say(std::string text, Time now) {
+void Controls::show_notice(std::string text, Time now) {
     notice_ = std::move(text);
     notice_since_ = now;
 }
 
-void Controls::put_into(hud::Readout& readout, Time now) const {
+void Controls::add_to(hud::Readout& readout, Time now) const {
     if (help_) {
         readout.keys = keys_help(commands_ != nullptr, annotator_ != nullptr);
     }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "client/app/annotator.hpp"
-#include "client/app/command_keys.hpp"
-#include "client/app/selection.hpp"
+#include "client/app/window/command_keys.hpp"
+#include "client/app/window/selection.hpp"
 #include "client/hands/drag.hpp"
 #include "client/hud/readout.hpp"
 #include "client/view/scene_view.hpp"
@@ -17,64 +17,64 @@
 
 namespace eti::client {
 
-/// Key and what it does, for help on the screen and on the command line; without the commands for one who
-/// only watches. `marks`: for one who writes and draws.
+/// Keys and their actions, for on-screen and command-line help. `commands`: include commands (observers
+/// have none). `marks`: include the keys for writing and drawing.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool marks = false);
 
-/// What keys and mouse do in a window: choose what is shown and from where, show help, give commands.
+/// Keyboard and mouse of a window: select views, move the vantage, show help, send commands.
 class Controls {
   public:
-    using Time = CommandTyping::Time;
+    using Time = CommandKeyMapper::Time;
 
-    /// `commands`: null for an observer, who gives none.
+    /// `commands`: null for an observer, who sends no commands.
     Controls(const Selection& selection, bus::CommandSender* commands, const render::Vantage& vantage = {})
         : selection_(&selection), commands_(commands), vantage_(vantage) {}
 
-    /// Who may write, point and draw.
-    void annotate_with(Annotator& annotator) { annotator_ = &annotator; }
-    /// Who is not the trainee may look through the trainee's eye; `at_first`: does so from the beginning.
-    void watch_trainee(bool at_first) {
-        watches_ = true;
-        follows_ = at_first;
+    /// Enables writing, pointing and drawing.
+    void set_annotator(Annotator& annotator) { annotator_ = &annotator; }
+    /// Allows a client other than the trainee's to show the trainee's view; `at_first`: initially on.
+    void allow_trainee_view(bool at_first) {
+        may_follow_trainee_ = true;
+        follows_trainee_ = at_first;
     }
-    /// Brings what follows the scene up to date: the trainee's eye, where that is looked through.
+    /// Updates what depends on the scene: the trainee's eye while it is followed.
     void follow(const view::SceneView& scene);
-    /// Somebody writes: every key belongs to the text.
+    /// True while text is entered: every key belongs to the text.
     [[nodiscard]] bool writing() const { return annotator_ != nullptr && annotator_->writing(); }
-    /// While writing(). A character as typed, or one of special_keys.hpp.
+    /// Only while writing(). A typed character, or one of special_keys.hpp.
     void type(char32_t key, Time now);
 
-    /// A character in lower case, or an arrow. `repeated`: the key is held.
+    /// A lower-case character or an arrow. `repeated`: auto-repeat of a held key.
     void press(char32_t key, bool repeated, const view::SceneView& scene, Time now);
     void release(char32_t key, Time now);
-    /// In a picture of `width` x `height` pixels.
+    /// A mouse drag in a picture of `width` x `height` pixels.
     void drag(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now = {});
-    /// Takes the server's answers.
-    void tend(Time now);
-    /// What the server refused, as of the last tend().
+    /// Processes the server's replies.
+    void update(Time now);
+    /// The server's refusals as of the last update().
     [[nodiscard]] std::span<const bus::Refusal> refusals() const { return refusals_; }
-    /// Lets go of every key, as when the window closes: nothing stays on that was on while held.
-    void let_go(Time now);
+    /// Releases every key, for example when the window closes, so that no hold-to-run command stays on.
+    void release_all_keys(Time now);
 
     [[nodiscard]] const Selection& selection() const { return *selection_; }
     [[nodiscard]] const render::Vantage& vantage() const { return vantage_; }
-    /// Adds help and notices to what is shown.
-    void put_into(hud::Readout& readout, Time now) const;
+    /// Adds help and notices to the readout.
+    void add_to(hud::Readout& readout, Time now) const;
 
   private:
-    void send(const std::optional<WantedCommand>& command, Time now);
-    void say(std::string text, Time now);
+    void send(const std::optional<CommandRequest>& command, Time now);
+    void show_notice(std::string text, Time now);
     void draw_mark(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now);
 
     const Selection* selection_;
     bus::CommandSender* commands_;
     render::Vantage vantage_;
-    CommandTyping typing_;
+    CommandKeyMapper typing_;
     std::vector<bus::Refusal> refusals_;
     Annotator* annotator_ = nullptr;
-    float marked_x_ = 0.0f, marked_y_ = 0.0f;  // [pixels] where a mark was last led
-    bool watches_ = false, follows_ = false;
-    std::optional<view::TraineeEye> own_eye_;  // meanwhile
+    float marked_x_ = 0.0f, marked_y_ = 0.0f;  // [pixels] last point of the mark
+    bool may_follow_trainee_ = false, follows_trainee_ = false;
+    std::optional<view::TraineeEye> saved_eye_;  // the own eye while the trainee's is followed
     bool help_ = false;
     std::string notice_;
     Time notice_since_;

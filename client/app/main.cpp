@@ -5,10 +5,10 @@
 #include <exception>
 #include <iostream>
 
-#include "client/app/headset.hpp"
-#include "client/app/offscreen.hpp"
+#include "client/app/headset/headset.hpp"
+#include "client/app/offscreen/offscreen.hpp"
 #include "client/app/options.hpp"
-#include "client/app/windowed.hpp"
+#include "client/app/window/windowed.hpp"
 #include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
 

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "client/app/controls.hpp"
-#include "client/app/hand_controls.hpp"
-#include "client/app/hand_keys.hpp"
 #include "client/app/tutorial.hpp"
+#include "client/app/window/hand_controls.hpp"
+#include "client/app/window/hand_keys.hpp"
 #include "common/bus/command_line.hpp"
 #include "common/math/units.hpp"
 #include "common/process/command_line.hpp"
@@ -24,7 +24,7 @@ constexpr const char* headset_name = "hmd";
 constexpr int smallest_side = 64;
 constexpr int largest_side = 7680;
 
-// "WxH" with even sides: video codecs store colour at half resolution.
+// "WxH" with even sides: video codecs store chroma at half resolution.
 bool read_size(const std::string& text, int& width, int& height) {
     const char* const end = text.data() + text.size();
     const auto first = std::from_chars(text.data(), end, width);
@@ -36,7 +36,7 @@ bool read_size(const std::string& text, int& width, int& height) {
     return second.ec == std::errc() && second.ptr == end && fits(width) && fits(height);
 }
 
-// Three numbers, "A,B,C", each within its limit on either side.
+// Three numbers "A,B,C", each within plus or minus its limit.
 std::optional<Vec3f> read_three(const std::string& text, const Vec3f& limits) {
     Vec3f numbers;
     const char* at = text.data();
@@ -46,7 +46,7 @@ std::optional<Vec3f> read_three(const std::string& text, const Vec3f& limits) {
             return std::nullopt;
         }
         const auto [past, error] = std::from_chars(at, end, numbers[i]);
-        // Written so that NaN fails.
+        // Written so that NaN is rejected.
         if (error != std::errc() || !(std::abs(numbers[i]) <= limits[i])) {
             return std::nullopt;
         }
@@ -55,19 +55,19 @@ std::optional<Vec3f> read_three(const std::string& text, const Vec3f& limits) {
     return at == end ? std::optional(numbers) : std::nullopt;
 }
 
-// As a person says it: to the right, up and ahead; the world's z is back.
+// Input order: right, up, ahead; the world's z points back.
 std::optional<Vec3f> read_place(const std::string& text) {
-    const auto mm = read_three(text, Vec3f::Constant(1e3f * hmd::Room::farthest));
+    const auto mm = read_three(text, Vec3f::Constant(1e3f * hmd::Room::max_offset));
     return mm ? std::optional(Vec3f(1e-3f * mm->x(), 1e-3f * mm->y(), -1e-3f * mm->z())) : std::nullopt;
 }
 
 std::optional<view::TraineeEye> read_eye(const std::string& text) {
-    const auto mm = read_three(text, Vec3f::Constant(1e3f * view::TraineeEye::farthest));
+    const auto mm = read_three(text, Vec3f::Constant(1e3f * view::TraineeEye::max_offset));
     return mm ? std::optional(view::TraineeEye(1e-3f * *mm)) : std::nullopt;
 }
 
 std::optional<render::Section> read_section(const std::string& text) {
-    const auto typed = read_three(text, {1e3f * render::Section::farthest, 180.0f, 90.0f});
+    const auto typed = read_three(text, {1e3f * render::Section::max_offset, 180.0f, 90.0f});
     return typed
                ? std::optional(render::Section(1e-3f * typed->x(), degree * typed->y(), degree * typed->z()))
                : std::nullopt;
@@ -135,7 +135,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                            : fmt::format(
                                  "'{}' is no place of an eye; expected X,Y,Z in mm, each from -{:.0f} to "
                                  "{:.0f}, e.g. 10,0,-5",
-                                 text, 1e3f * view::TraineeEye::farthest, 1e3f * view::TraineeEye::farthest);
+                                 text, 1e3f * view::TraineeEye::max_offset,
+                                 1e3f * view::TraineeEye::max_offset);
             },
             "X,Y,Z");
     app.add_option(
@@ -150,7 +151,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                            : fmt::format(
                                  "'{}' is no place; expected RIGHT,UP,AHEAD in mm, each from -{:.0f} to "
                                  "{:.0f}, e.g. 0,-300,250",
-                                 text, 1e3f * hmd::Room::farthest, 1e3f * hmd::Room::farthest);
+                                 text, 1e3f * hmd::Room::max_offset, 1e3f * hmd::Room::max_offset);
             },
             "RIGHT,UP,AHEAD");
     app.add_option("--dominant-eye", dominant_eye,
@@ -168,7 +169,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                            : fmt::format(
                                  "'{}' is no plane; expected OFFSET,TURN,TILT: mm from -{:.0f} to {:.0f}, "
                                  "degrees from -180 to 180 and from -90 to 90, e.g. 5,0,0 or 0,90,0",
-                                 text, 1e3f * render::Section::farthest, 1e3f * render::Section::farthest);
+                                 text, 1e3f * render::Section::max_offset,
+                                 1e3f * render::Section::max_offset);
             },
             "OFFSET,TURN,TILT");
     app.add_number("--fogging", options.vantage.fogging,
@@ -186,7 +188,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_number("--fps", options.frames_per_second, "Of the video",
                    {1.0, 90.0, "frames a second of simulation time"})
         .capture_default_str();
-    app.add_number("--every", options.every_s,
+    app.add_number("--every", options.picture_interval_s,
                    "Simulation time between pictures; 0: only the best view and the last", {0.0, 3600.0, "s"})
         .capture_default_str();
     app.add_number("--frames", options.frames, "End after this many frames of a patient; 0: with the session",
@@ -195,7 +197,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_number("--wait", options.wait_s,
                    fmt::format("Give up when no server is there for so long; without it pictures wait for "
                                "{:.0f} s and a window until it is closed",
-                               Options::pictures_wait_s),
+                               Options::offscreen_wait_s),
                    {0.0, 3600.0, "s"});
     app.add_option("--size", size, "Pixels, WIDTHxHEIGHT, both even")
         .capture_default_str()
@@ -246,16 +248,16 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                                                  : "who watches (--observe, --instructor) holds no tool");
         return 2;
     }
-    // A list that is played needs no lesson; whoever learns is at a window.
+    // Playback needs no tutorial; learners use a window.
     options.tutorial =
         options.hands && (tutorial == "on" || (tutorial == "auto" && options.play.empty() &&
                                                options.offscreen.empty() && !tutorial_was_shown()));
     options.sound = sound == "auto" ? std::nullopt : std::optional(sound == "on");
     options.panel = options.panel || options.instructor;
     options.selection = options.headset                             ? &default_selection()
-                        : options.instructor && view_option.empty() ? &instructors_selection()
+                        : options.instructor && view_option.empty() ? &instructor_selection()
                                                                     : selection_named(view);
-    options.left_eye_leads = dominant_eye == "left";
+    options.left_eye_dominant = dominant_eye == "left";
     options.gum_in_room = *read_place(gum_at);
     options.quality = render::quality_named(quality);
     (void)read_size(size, options.width, options.height);

@@ -2,16 +2,16 @@
 // Copyright the NeoETI authors
 #include "client/app/session_input.hpp"
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/model/pace.hpp"
 
 namespace eti::client {
 
-SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
-    : arrival_(every_state ? steps_per_second / 90 : steps_per_second / 30),
+SessionInput::SessionInput(bus::Node& node, bool full_rate, bool publish_eye)
+    : arrival_(full_rate ? steps_per_second / 90 : steps_per_second / 30),
       description_(node, bus::topics::session_description),
       scene_(node, bus::topics::scene),
-      deformation_(node, every_state ? bus::topics::deformation : bus::topics::deformation_slow),
+      deformation_(node, full_rate ? bus::topics::deformation : bus::topics::deformation_slow),
       fluid_(node, bus::topics::fluid),
       proxy_(node, bus::topics::proxy),
       metrics_(node, bus::topics::live_metrics),
@@ -23,7 +23,7 @@ SessionInput::SessionInput(bus::Node& node, bool every_state, bool publish_eye)
     }
 }
 
-bool SessionInput::take_into(view::SceneView& scene) {
+bool SessionInput::receive_into(view::SceneView& scene) {
     bool any = false;
     const auto take_all = [&](auto& topic, auto& message) {
         while (topic.take(message)) {
@@ -54,8 +54,8 @@ bool SessionInput::take_into(view::SceneView& scene) {
     take_all(fluid_, fluid_message_);
     take_newest(proxy_, proxy_message_);
     take_newest(metrics_, metrics_message_);
-    // After what tells the time: a run that begins anew forgets how the one before ended. Until the session
-    // has described itself they wait, for they come once.
+    // After the topics that carry time, since a restarted run discards the previous outcome. Queued until
+    // the session's description arrives, as these messages are sent only once.
     if (scene.keys()) {
         take_all(summary_, summary_message_);
         take_all(annotation_, annotation_message_);
@@ -79,11 +79,11 @@ void SessionInput::publish_eye(const view::SceneView& scene, const view::Trainee
 }
 
 void SessionInput::update_presence() {
-    Presence now = presence_;
+    ServerPresence now = presence_;
     if (status_.alive()) {
-        now = Presence::alive;
-    } else if (presence_ != Presence::none) {
-        now = status_.matched() > 0 ? Presence::silent : Presence::gone;
+        now = ServerPresence::alive;
+    } else if (presence_ != ServerPresence::none) {
+        now = status_.matched() > 0 ? ServerPresence::silent : ServerPresence::gone;
     }
     if (now != presence_) {
         presence_ = now;

@@ -8,51 +8,51 @@
 #include <string>
 #include <vector>
 
-#include "client/app/arrival.hpp"
+#include "client/app/arrival_statistics.hpp"
 #include "client/view/scene_view.hpp"
-#include "client/view/trainee_eye.hpp"
+#include "client/view/sight/trainee_eye.hpp"
 #include "common/bus/bus.hpp"
 
 namespace eti::client {
 
-/// Whether a server can be heard.
-enum class Presence {
-    none,  ///< none was ever there
+/// State of the connection to the server.
+enum class ServerPresence {
+    none,  ///< no server seen yet
     alive,
-    silent,  ///< on the bus, but its loop does not move
-    gone,    ///< was there and left the bus
+    silent,  ///< on the bus, but its loop is stalled
+    gone,    ///< was on the bus and left
 };
 
-/// A lost connection shows at once; a server that only stumbles is not called lost.
+/// Short enough to report a lost connection at once, long enough to tolerate a brief stall.
 inline constexpr double lost_after_s = 1.0;
 
-/// The client's side of the bus: takes what arrives into a SceneView, publishes the trainee's eye.
+/// The client's side of the bus: applies received messages to a SceneView, publishes the trainee's eye.
 class SessionInput {
   public:
-    /// `every_state`: take shapes at 90 Hz, else at 30 Hz. `publish_eye`: as the trainee.
-    SessionInput(bus::Node& node, bool every_state, bool publish_eye);
+    /// `full_rate`: receive deformation at 90 Hz, else at 30 Hz. `publish_eye`: act as the trainee.
+    SessionInput(bus::Node& node, bool full_rate, bool publish_eye);
 
-    /// Takes all that has arrived; true if anything had.
-    bool take_into(view::SceneView& scene);
-    /// Waits until a new shape arrives or the time is over.
+    /// Applies all messages received; true if there were any.
+    bool receive_into(view::SceneView& scene);
+    /// Waits for a new deformation state or until the timeout.
     void wait(std::chrono::milliseconds timeout);
-    /// As the trainee: tells the server where the eye is. Else does nothing.
+    /// Publishes the pose of the trainee's eye; does nothing for other clients.
     void publish_eye(const view::SceneView& scene, const view::TraineeEye& eye);
 
-    [[nodiscard]] Presence presence() const { return presence_; }
-    /// Since when presence() is what it is [s].
+    [[nodiscard]] ServerPresence presence() const { return presence_; }
+    /// Time since presence() last changed [s].
     [[nodiscard]] double presence_for_s() const;
-    /// Of the sessions that were shown, one after another; of several of one scenario, one name.
+    /// Names of the sessions shown so far, in order; consecutive sessions of one scenario are listed once.
     [[nodiscard]] const std::vector<std::string>& scenarios() const { return scenarios_; }
-    /// How shapes arrive.
-    [[nodiscard]] const Arrival& arrival() const { return arrival_; }
-    /// A server is on the bus, though it may not have published its scene yet.
+    /// Arrival statistics of the deformation topic.
+    [[nodiscard]] const ArrivalStatistics& arrival() const { return arrival_; }
+    /// Whether a server is on the bus, even if it has not published its scene yet.
     [[nodiscard]] bool server_on_bus() const { return scene_.matched() > 0; }
 
   private:
     void update_presence();
 
-    Arrival arrival_;
+    ArrivalStatistics arrival_;
     std::vector<std::string> scenarios_;
     bus::Subscriber<msg::SessionDescription> description_;
     bus::Subscriber<msg::SceneDescription> scene_;
@@ -66,7 +66,7 @@ class SessionInput {
     std::optional<bus::Publisher<msg::EyePose>> eye_;
     std::uint32_t eye_number_ = 0;
 
-    // Reused, so that no message allocates anew.
+    // Reused, so that receiving a message does not allocate.
     msg::SessionDescription description_message_;
     msg::SceneDescription scene_message_;
     msg::DeformationState deformation_message_;
@@ -77,7 +77,7 @@ class SessionInput {
     msg::AttemptSummary summary_message_;
     msg::ShownAnnotation annotation_message_;
 
-    Presence presence_ = Presence::none;
+    ServerPresence presence_ = ServerPresence::none;
     std::chrono::steady_clock::time_point presence_since_ = std::chrono::steady_clock::now();
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto peer_poll_interval = 1s;  // for who else is there
+constexpr auto peer_poll_interval = 1s;  // for the list of programs on the bus
 
 panel::Model::Send send_by(bus::CommandSender* commands) {
     if (commands == nullptr) {
@@ -29,9 +29,9 @@ SessionPanel::SessionPanel(bus::Node& node, bus::CommandSender* commands)
 
 void SessionPanel::follow(const view::SceneView& scene, const SessionInput& input,
                           std::span<const bus::Refusal> refusals, Time now) {
-    const Arrival& arrival = input.arrival();
+    const ArrivalStatistics& arrival = input.arrival();
     connection_.state_age_mean_ms = arrival.mean_ms();
-    connection_.state_age_max_ms = arrival.most_ms();
+    connection_.state_age_max_ms = arrival.max_ms();
     connection_.states = arrival.count();
     connection_.states_missed = arrival.missed();
     if (commands_ != nullptr) {
@@ -41,8 +41,8 @@ void SessionPanel::follow(const view::SceneView& scene, const SessionInput& inpu
     }
     note_programs(now);
     model_.follow(scene, connection_, now);
-    model_.hear(refusals);
-    model_.tend(now);
+    model_.note_refusals(refusals);
+    model_.update(now);
 }
 
 void SessionPanel::note_programs(Time now) {
@@ -52,7 +52,7 @@ void SessionPanel::note_programs(Time now) {
     programs_noted_ = now;
     connection_.contested = node_.contested();
     connection_.programs.clear();
-    for (const bus::Peer& peer : bus::met_programs(node_)) {
+    for (const bus::Peer& peer : bus::discovered_peers(node_)) {
         if (peer.session == node_.options().session) {
             connection_.programs.push_back(fmt::format("{} {}", peer.name, peer.process));
         }

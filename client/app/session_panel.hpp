@@ -11,15 +11,15 @@
 
 namespace eti::client {
 
-/// The instructor's panel of a client's session, without what draws it.
+/// The instructor's panel of a client's session, without its renderer.
 class SessionPanel {
   public:
     using Time = panel::Model::Time;
 
-    /// `commands`: null for an observer, whose panel sends nothing. All have to outlive it.
+    /// `commands`: null for an observer, whose panel sends nothing. All arguments must outlive the panel.
     SessionPanel(bus::Node& node, bus::CommandSender* commands);
 
-    /// Takes in what the server says, and sends what was asked for.
+    /// Takes in the server's state and sends the requested commands.
     void follow(const view::SceneView& scene, const SessionInput& input,
                 std::span<const bus::Refusal> refusals, Time now);
     [[nodiscard]] panel::Model& model() { return model_; }

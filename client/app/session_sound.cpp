@@ -13,7 +13,7 @@
 namespace eti::client {
 namespace {
 
-// Libraries below OpenAL complain at length where there is nothing to play on: then they are not asked by
+// Libraries below OpenAL print long warnings without an audio device, so without one they are not opened by
 // default.
 bool may_have_device() {
     const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
@@ -26,8 +26,8 @@ bool may_have_device() {
 }  // namespace
 
 sound::Cue cue_of(const view::SceneView& scene, bool server_lost) {
-    const hud::Readout now = hud::readout_of(scene, server_lost);
-    if (now.link != hud::Link::running) {
+    const hud::Readout now = hud::make_readout(scene, server_lost);
+    if (now.link != hud::ServerLink::running) {
         return {};
     }
     sound::Cue cue;

@@ -10,10 +10,11 @@
 
 namespace eti::client {
 
-/// What is heard of a session as it is; nothing while the server is lost or does not run.
+/// Sounds of a session's current state; none while the server is lost or not running.
 [[nodiscard]] sound::Cue cue_of(const view::SceneView& scene, bool server_lost);
 
-/// What plays it, or null: not `wanted`, or no device to play on, which is said where it was asked for.
+/// Opens the sound player; null if not `wanted` or if there is no audio device, which is reported if sound
+/// was requested.
 [[nodiscard]] std::unique_ptr<sound::Player> session_sound(std::optional<bool> wanted, float volume);
 
 }  // namespace eti::client

@@ -14,14 +14,15 @@
 namespace eti::client {
 namespace {
 
-// Chosen: the blade is behind the tongue, half of the glottis shows, the tube's black band is near the cords.
+// Chosen: the blade is behind the tongue, half of the glottis is visible, the tube's black band is near the
+// cords.
 constexpr float blade_in = 3.0f * centimetre, tube_in = 15.0f * millimetre, seen_percent = 50.0f;
 
-bool looks_inside(const LessonSight& sight) {
+bool shows_inside(const LessonState& sight) {
     return sight.view == "section" || sight.view == "all" || sight.scene.enhanced();
 }
 
-bool blade_is_in(const LessonSight& sight) {
+bool blade_is_in(const LessonState& sight) {
     const auto& scene = sight.scene;
     return scene.metrics() && scene.metrics()->attempt_running() && scene.keys() &&
            scene.laryngoscope_pose() &&
@@ -29,19 +30,20 @@ bool blade_is_in(const LessonSight& sight) {
                             *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip()) > blade_in;
 }
 
-bool glottis_is_seen(const LessonSight& sight) {
+bool glottis_is_seen(const LessonState& sight) {
     return sight.scene.metrics() && sight.scene.metrics()->glottic_opening_percent() >= seen_percent;
 }
 
-bool tube_is_in(const LessonSight& sight) {
+bool tube_is_in(const LessonState& sight) {
     const auto& metrics = sight.scene.metrics();
     return metrics && metrics->tube_place() == msg::TUBE_IN_TRACHEA &&
            metrics->tube_depth_past_glottis() > tube_in;
 }
 
-bool attempt_succeeded(const LessonSight& sight) {
+bool attempt_succeeded(const LessonState& sight) {
     const auto& report = sight.scene.attempt_report();
-    return report && (report->outcome.success || !report->outcome.known);  // a manikin does not tell
+    return report && (report->outcome.success || !report->outcome.known);  // a manikin does not measure the
+                                                                           // outcome
 }
 
 constexpr std::size_t blade_lesson = 1;
@@ -49,7 +51,7 @@ constexpr std::array lesson_table{
     Lesson{
         "1 of 5: look",
         "Press 2: the head cut open shows where the tools are. 5 is your own eye, 3 the camera on the blade.",
-        looks_inside},
+        shows_inside},
     Lesson{"2 of 5: blade in",
            "Drag with the left button: the blade's tip follows, by the right corner of the mouth over the "
            "tongue. "
@@ -76,7 +78,7 @@ std::span<const Lesson> lessons() {
     return lesson_table;
 }
 
-void Tutorial::look(const LessonSight& sight) {
+void Tutorial::update(const LessonState& sight) {
     const auto& report = sight.scene.attempt_report();
     if (report && report->attempt != attempts_judged_) {
         attempts_judged_ = report->attempt;
@@ -97,7 +99,7 @@ void Tutorial::skip() {
     failed_.clear();
 }
 
-void Tutorial::put_into(hud::Readout& readout) const {
+void Tutorial::add_to(hud::Readout& readout) const {
     if (finished()) {
         return;
     }
@@ -109,10 +111,10 @@ void Tutorial::put_into(hud::Readout& readout) const {
     readout.guidance.emplace_back("Enter passes over a step; h lists all keys.");
 }
 
-std::filesystem::path tutorial_mark() {
+std::filesystem::path tutorial_marker_file() {
     const char* const settings = std::getenv("XDG_CONFIG_HOME");
     const char* const home = std::getenv("HOME");
-    // A path that is not absolute is to be ignored, says the specification.
+    // The specification requires relative paths to be ignored.
     std::filesystem::path folder = settings != nullptr ? settings : "";
     if (!folder.is_absolute()) {
         folder = std::filesystem::path(home != nullptr ? home : "/") / ".config";
@@ -122,13 +124,13 @@ std::filesystem::path tutorial_mark() {
 
 bool tutorial_was_shown() {
     std::error_code error;
-    return std::filesystem::exists(tutorial_mark(), error);
+    return std::filesystem::exists(tutorial_marker_file(), error);
 }
 
-void note_tutorial_shown() {
+void mark_tutorial_shown() {
     std::error_code error;
-    std::filesystem::create_directories(tutorial_mark().parent_path(), error);
-    std::ofstream(tutorial_mark())
+    std::filesystem::create_directories(tutorial_marker_file().parent_path(), error);
+    std::ofstream(tutorial_marker_file())
         << "The client's tutorial has been shown. Without this file it is shown again.\n";
 }
 

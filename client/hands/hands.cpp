@@ -13,7 +13,7 @@ namespace {
 constexpr float lifting = 15e-3f;          // [m/s]
 constexpr float turning = 25.0f * degree;  // [rad/s]
 constexpr float slide_per_notch = 2e-3f;   // [m]
-constexpr float in_the_mouth = 5e-3f;      // [m], of tube past the lips
+constexpr float in_the_mouth = 5e-3f;      // [m], of tube beyond the lips
 constexpr float before_the_mouth = 0.03f;  // [m]
 
 const std::array keys{
@@ -27,7 +27,7 @@ const std::array keys{
     HandKey{U'y', "y", "roll to the right", 0.0f, {0.0f, 0.0f, turning}},
 };
 
-// The patient's left stays the tool's +x, so that the handle stands in the middle plane, on the anterior
+// The tool's +x stays at the patient's left, so that the handle is in the median plane on the anterior
 // side.
 Quatf pointing(const Vec3f& direction) {
     const Vec3f z = direction.normalized();
@@ -53,7 +53,7 @@ bool is_hand_key(char32_t key) {
 RigidTransform hand_start(Tool tool, const Landmarks& now, const Laryngoscope& scope, const Tube& tube) {
     const Vec3f& mouth = at(now, Landmark::mouth_opening);
     const bool blade = tool == Tool::laryngoscope;
-    // The blade goes in steeply, past the upper gum; the tube's end half-way down the throat.
+    // The blade is inserted steeply, past the upper gum; the tube tip halfway towards the throat.
     const Vec3f direction = blade ? Vec3f(0.0f, 1.0f, -0.15f) : Vec3f(0.0f, 1.0f, -1.0f);
     const Quatf rotation = pointing(direction);
     const Vec3f aside(blade ? -9e-3f : -16e-3f, 0.0f, 0.0f);
@@ -76,7 +76,7 @@ bool Hands::press(char32_t key) {
         return true;
     }
     if (key == home_key) {
-        held_now().go_home();
+        active_tool().go_home();
         return true;
     }
     if (std::ranges::find(keys, key, &HandKey::key) == keys.end()) {
@@ -91,26 +91,26 @@ void Hands::release(char32_t key) {
 }
 
 void Hands::drag(const HandDrag& drag, const Landmarks& now) {
-    HeldTool& tool = held_now();
+    HeldTool& tool = active_tool();
     const auto carried = [&](const Vec3f& point) {
-        return in_picture(drag.camera, drag.height, point, drag.mouse.x, drag.mouse.y);
+        return picture_displacement(drag.camera, drag.height, point, drag.mouse.x, drag.mouse.y);
     };
     tool.slide(slide_per_notch * drag.mouse.notches);
-    const float outside = tool.length_until(at(now, Landmark::mouth_opening));
-    if (drag.mouse.second) {
+    const float outside = tool.arc_length_to(at(now, Landmark::mouth_opening));
+    if (drag.mouse.right_button) {
         tool.swing_grip(carried(tool.pose().translation));
     } else if (chosen_ == Tool::tube && outside < tool.length() - in_the_mouth) {
-        tool.swing_tip(tool.along(outside), carried(tool.tip()));
+        tool.swing_tip(tool.point_at(outside), carried(tool.tip()));
     } else {
         tool.move(carried(tool.tip()));
     }
 }
 
-void Hands::advance(float dt, const Lead& blade, const Lead& tube) {
+void Hands::advance(float dt, const Overtravel& blade, const Overtravel& tube) {
     for (const char32_t key : pressed_) {
         const HandKey& row = *std::ranges::find(keys, key, &HandKey::key);
-        held_now().lift(row.lift * dt);
-        held_now().turn(row.turn * dt);
+        active_tool().lift(row.lift * dt);
+        active_tool().turn(row.turn * dt);
     }
     tools_[static_cast<std::size_t>(Tool::laryngoscope)].advance(dt, blade);
     tools_[static_cast<std::size_t>(Tool::tube)].advance(dt, tube);

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <utility>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/priority.hpp"
 
 namespace eti::client {
@@ -17,22 +17,24 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto period = std::chrono::nanoseconds(1'000'000'000 / 240);
-// A device that is already there has been found by then.
+// By then a device that is already present has been discovered.
 constexpr int cycles_before_writing = 240;
-constexpr std::uint64_t longest_step_ns = 50'000'000;  // of simulation time; after a gap the hand stood still
-// What a tube's resistance counts as: at 2 N fingers push no farther.
+constexpr std::uint64_t longest_step_ns = 50'000'000;  // of simulation time; after a longer gap the hand
+                                                       // did not move
+// Equivalent compliance of the tube's resistance: at 2 N the fingers stop pushing.
 constexpr float tube_compliance = 2e-3f;  // [m/N]
-constexpr std::size_t most_events = 1024;
+constexpr std::size_t max_events = 1024;
 
-Lead lead_of(const msg::ProxyState& message) {
+Overtravel overtravel_of(const msg::ProxyState& message) {
     const RigidTransform device = bus::from_msg(message.device()), proxy = bus::from_msg(message.proxy());
     return {device.translation - proxy.translation,
             rotation_vector(device.rotation * proxy.rotation.conjugate())};
 }
 
-float share_of(const Lead& lead) {
+float share_of(const Overtravel& overtravel) {
     const HandLimits limits;
-    return std::min(1.0f, std::max(lead.way.norm() / limits.lead, lead.turn.norm() / limits.lead_turn));
+    return std::min(1.0f, std::max(overtravel.translation.norm() / limits.max_overtravel,
+                                   overtravel.rotation.norm() / limits.max_overtravel_angle));
 }
 
 }  // namespace
@@ -40,18 +42,18 @@ float share_of(const Lead& lead) {
 ToolWriter::ToolWriter(bus::Node& node, const bus::Topic<msg::ToolPose>& topic, std::string_view name)
     : name_(name), others_(node, topic), topic_(std::in_place, node, topic) {}
 
-bool ToolWriter::ours() {
-    // One of those that are matched is our own.
-    if (!given_up_ && others_.matched() > 1) {
-        given_up_ = true;
+bool ToolWriter::has_ownership() {
+    // One of the matched writers is this one.
+    if (!ownership_lost_ && others_.matched() > 1) {
+        ownership_lost_ = true;
         topic_.reset();
         spdlog::info("a device holds the {}: mouse and keys leave it alone", name_);
     }
-    return !given_up_;
+    return !ownership_lost_;
 }
 
 void ToolWriter::write(const RigidTransform& pose, bool suction, std::uint64_t time_ns) {
-    if (!ours()) {
+    if (!has_ownership()) {
         return;
     }
     msg::ToolPose message;
@@ -61,7 +63,7 @@ void ToolWriter::write(const RigidTransform& pose, bool suction, std::uint64_t t
     topic_->publish(message);
 }
 
-HandsLink::HandsLink(bus::Node& node, std::optional<HandPlay> play)
+HandsLink::HandsLink(bus::Node& node, std::optional<HandPlayback> play)
     : description_(node, bus::topics::session_description),
       proxy_(node, bus::topics::proxy),
       metrics_(node, bus::topics::live_metrics),
@@ -76,9 +78,9 @@ HandsLink::~HandsLink() {
     thread_.join();
 }
 
-void HandsLink::put(const Event& event) {
+void HandsLink::enqueue(const Event& event) {
     const std::scoped_lock lock(mutex_);
-    if (events_.size() < most_events) {
+    if (events_.size() < max_events) {
         events_.push_back(event);
     }
 }
@@ -89,8 +91,8 @@ HandsState HandsLink::state() const {
 }
 
 void HandsLink::run() {
-    // Microseconds of work: the drawing beside it would keep it waiting until the hand counts as silent.
-    if (const std::string refused = become_real_time(priority::loop); !refused.empty()) {
+    // Runs for microseconds: behind the renderer it would wait until the hand is considered silent.
+    if (const std::string refused = set_real_time_priority(priority::loop); !refused.empty()) {
         spdlog::debug("the hands' thread: {}", refused);
     }
     auto next = std::chrono::steady_clock::now();
@@ -101,12 +103,12 @@ void HandsLink::run() {
     }
 }
 
-void HandsLink::take_messages() {
+void HandsLink::receive_messages() {
     while (description_.take(description_message_)) {
         const bool known = seen_.keys().has_value();
         const Laryngoscope scope = known ? seen_.keys()->laryngoscope() : Laryngoscope();
         const Tube tube = known ? seen_.keys()->tube() : Tube();
-        // Another session's tools are taken at their start.
+        // A new session's tools start at their start poses.
         if (seen_.apply(description_message_) && known &&
             (scope.blade_length != seen_.keys()->laryngoscope().blade_length ||
              tube.grip_from_tip != seen_.keys()->tube().grip_from_tip ||
@@ -118,15 +120,15 @@ void HandsLink::take_messages() {
         seen_.apply(metrics_message_);
     }
     if (proxy_.take_latest(proxy_message_) && seen_.apply(proxy_message_)) {
-        blade_lead_ = lead_of(proxy_message_);
+        blade_overtravel_ = overtravel_of(proxy_message_);
     }
     if (tube_force_.take_latest(force_message_)) {
-        tube_lead_.way = -tube_compliance * bus::from_msg(force_message_.force());
+        tube_overtravel_.translation = -tube_compliance * bus::from_msg(force_message_.force());
     }
 }
 
 void HandsLink::cycle() {
-    take_messages();
+    receive_messages();
     const std::uint64_t now_ns = seen_.simulation_time_ns();
     const std::uint64_t passed = now_ns > time_ns_ ? std::min(now_ns - time_ns_, longest_step_ns) : 0;
     time_ns_ = now_ns;
@@ -151,22 +153,23 @@ void HandsLink::cycle() {
             hands_->drag(std::get<HandDrag>(event), seen_.landmarks());
         }
     }
-    if (++cycles_seen_ == cycles_before_writing && blade_writer_.ours() && tube_writer_.ours()) {
+    if (++cycles_seen_ == cycles_before_writing && blade_writer_.has_ownership() &&
+        tube_writer_.has_ownership()) {
         spdlog::info("mouse and keys hold laryngoscope and tube");
     }
     if (cycles_seen_ > cycles_before_writing) {
         if (play_) {
             play_->advance(dt, *hands_, seen_, {});
         }
-        hands_->advance(dt, blade_lead_, tube_lead_);
+        hands_->advance(dt, blade_overtravel_, tube_overtravel_);
         blade_writer_.write(hands_->held(Tool::laryngoscope).pose(), false, now_ns);
         tube_writer_.write(hands_->held(Tool::tube).pose(), false, now_ns);
     }
     const std::scoped_lock lock(mutex_);
     state_.holding = cycles_seen_ > cycles_before_writing;
     state_.chosen = hands_->chosen();
-    state_.ours = {!blade_writer_.given_up(), !tube_writer_.given_up()};
-    state_.held_back = share_of(hands_->chosen() == Tool::tube ? tube_lead_ : blade_lead_);
+    state_.owned = {!blade_writer_.ownership_lost(), !tube_writer_.ownership_lost()};
+    state_.held_back = share_of(hands_->chosen() == Tool::tube ? tube_overtravel_ : blade_overtravel_);
     state_.poses = {blade_writer_.written(), tube_writer_.written()};
     if (play_) {
         state_.played = play_->finished();

@@ -13,58 +13,58 @@
 #include <variant>
 #include <vector>
 
-#include "client/hands/hand_play.hpp"
+#include "client/hands/hand_playback.hpp"
 #include "client/hands/hands.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/bus/bus.hpp"
 
 namespace eti::client {
 
-/// A tool's pose on the bus: written by these hands, unless somebody else writes it. Whoever is found there
-/// keeps the tool, and no pose of ours is sent any more: a tool never has two hands.
+/// Writes a tool's pose to the bus unless another writer exists. An existing writer keeps the tool and this
+/// one stops sending: a tool never has two hands.
 class ToolWriter {
   public:
     /// `name`: of the tool, for the log.
     ToolWriter(bus::Node& node, const bus::Topic<msg::ToolPose>& topic, std::string_view name);
 
-    /// Whether the tool is ours, as of now.
-    [[nodiscard]] bool ours();
+    /// Whether this writer currently owns the tool.
+    [[nodiscard]] bool has_ownership();
     void write(const RigidTransform& pose, bool suction, std::uint64_t time_ns);
-    [[nodiscard]] bool given_up() const { return given_up_; }
+    [[nodiscard]] bool ownership_lost() const { return ownership_lost_; }
     [[nodiscard]] std::uint32_t written() const { return number_; }
 
   private:
     std::string_view name_;
     bus::Subscriber<msg::ToolPose> others_;
     std::optional<bus::Publisher<msg::ToolPose>> topic_;
-    bool given_up_ = false;
+    bool ownership_lost_ = false;
     std::uint32_t number_ = 0;
 };
 
-/// What a window or a report says of the hands.
+/// State of the hands, for a window or a report.
 struct HandsState {
-    bool holding = false;  ///< the session is there and its tools have been taken
+    bool holding = false;  ///< the session is present and its tools have been acquired
     Tool chosen = Tool::laryngoscope;
-    std::array<bool, 2> ours{};  ///< by Tool: no other device writes its pose
-    float held_back = 0.0f;      ///< of the chosen tool, 0 free to 1: it goes no farther
-    bool played = false;         ///< a list is played, and has come to its end
+    std::array<bool, 2> owned{};  ///< by Tool: no other device writes its pose
+    float held_back = 0.0f;       ///< of the chosen tool, 0: free, 1: fully blocked
+    bool played = false;          ///< a list was played to its end
     std::string play_step;
-    const render::View* view = nullptr;    ///< that the list looks at
-    std::array<std::uint32_t, 2> poses{};  ///< written
+    const render::View* view = nullptr;    ///< view chosen by the playback list
+    std::array<std::uint32_t, 2> poses{};  ///< number written
 };
 
-/// Carries two hands to the session: a thread of its own, which goes on however long a picture takes, lets
-/// them move in simulation time and writes their poses at 240 Hz.
+/// Connects two hands to the session: a dedicated thread, independent of the frame rate, advances them in
+/// simulation time and writes their poses at 240 Hz.
 class HandsLink {
   public:
-    HandsLink(bus::Node& node, std::optional<HandPlay> play);
+    HandsLink(bus::Node& node, std::optional<HandPlayback> play);
     ~HandsLink();
     HandsLink(const HandsLink&) = delete;
     HandsLink& operator=(const HandsLink&) = delete;
 
-    void press(char32_t key) { put(Press{key}); }
-    void release(char32_t key) { put(Release{key}); }
-    void drag(const HandDrag& drag) { put(drag); }
+    void press(char32_t key) { enqueue(Press{key}); }
+    void release(char32_t key) { enqueue(Release{key}); }
+    void drag(const HandDrag& drag) { enqueue(drag); }
     [[nodiscard]] HandsState state() const;
 
   private:
@@ -76,10 +76,10 @@ class HandsLink {
     };
     using Event = std::variant<Press, Release, HandDrag>;
 
-    void put(const Event& event);
+    void enqueue(const Event& event);
     void run();
     void cycle();
-    void take_messages();
+    void receive_messages();
 
     bus::Subscriber<msg::SessionDescription> description_;
     bus::Subscriber<msg::ProxyState> proxy_;
@@ -87,15 +87,15 @@ class HandsLink {
     bus::Subscriber<msg::TubeForce> tube_force_;
     ToolWriter blade_writer_, tube_writer_;
 
-    // Of the thread.
+    // Used only by the thread.
     view::SceneView seen_;
     std::optional<Hands> hands_;
-    std::optional<HandPlay> play_;
+    std::optional<HandPlayback> play_;
     msg::SessionDescription description_message_;
     msg::ProxyState proxy_message_;
     msg::LiveMetrics metrics_message_;
     msg::TubeForce force_message_;
-    Lead blade_lead_, tube_lead_;
+    Overtravel blade_overtravel_, tube_overtravel_;
     std::uint64_t time_ns_ = 0;
     int cycles_seen_ = 0;
 

@@ -7,71 +7,71 @@
 
 namespace eti::client {
 
-/// How far a tool in the hand is ahead of where the patient lets it be, in the patient frame.
-struct Lead {
-    Vec3f way = Vec3f::Zero();   ///< [m], of the tool's origin
-    Vec3f turn = Vec3f::Zero();  ///< [rad]
+/// Distance by which a held tool is ahead of the pose that the patient allows, patient frame.
+struct Overtravel {
+    Vec3f translation = Vec3f::Zero();  ///< [m], of the tool's origin
+    Vec3f rotation = Vec3f::Zero();     ///< [rad]
 };
 
-/// Bounds of a hand that mouse and keys move.
+/// Limits of a hand moved by mouse and keys.
 struct HandLimits {
-    float speed = 0.12f;          ///< [m/s], of tip and grip; a careful hand's
-    float turning = 1.5f;         ///< [rad/s]
-    float ahead = 30e-3f;         ///< [m]: what was asked for runs no farther ahead of the hand
-    float lead = 4e-3f;           ///< [m]: no farther does the hand press on; 8 N of the proxy's spring
-    float lead_turn = 0.04f;      ///< [rad], likewise
-    float give_way_time = 0.15f;  ///< [s], in which it yields where it is farther ahead than that
+    float speed = 0.12f;                 ///< [m/s], of tip and grip; a careful hand's
+    float angular_speed = 1.5f;          ///< [rad/s]
+    float max_target_distance = 30e-3f;  ///< [m]: maximum lead of the target over the hand
+    float max_overtravel = 4e-3f;        ///< [m]: maximum lead over the proxy; 8 N of its spring
+    float max_overtravel_angle = 0.04f;  ///< [rad], likewise
+    float yield_time = 0.15f;            ///< [s], time constant of yielding beyond that
 };
 
-/// A tool in a hand that mouse and keys move: what was asked for, and where the hand is, which follows no
-/// faster than a hand goes. It stops where the patient holds the tool back, and what was asked for
-/// with it: the hand comes back as soon as it is moved back. Tool frames as in common/model/tools.hpp.
+/// A tool held by a hand that mouse and keys move: a target pose, and the hand's pose, which follows at
+/// limited speed. Where the patient blocks the tool, both stop, so that the hand retreats as soon as it is
+/// moved back. Tool frames as in common/model/tools/tools.hpp.
 class HeldTool {
   public:
     /// `length` [m] from the frame's origin along the tool to its tip, `curvature` [1/m] towards +y.
     HeldTool(float length, float curvature, const RigidTransform& start, const HandLimits& limits = {});
 
-    /// Moves all of the tool by `way` [m].
+    /// Translates the tool by `way` [m].
     void move(const Vec3f& way);
-    /// Turns the tool about its tip, so that its origin goes by `way` [m], as far as a turn takes it there.
+    /// Rotates the tool about its tip so that its origin moves by `way` [m], as far as a rotation can.
     void swing_grip(const Vec3f& way);
-    /// Turns the tool about `pivot`, so that its tip goes by `way` [m], likewise.
+    /// Rotates the tool about `pivot` so that its tip moves by `way` [m], likewise.
     void swing_tip(const Vec3f& pivot, const Vec3f& way);
-    /// Along the tool [m], towards its tip; a curved one goes along its arc.
+    /// Slides along the tool [m], towards its tip; a curved tool follows its arc.
     void slide(float length);
-    /// Along the handle [m].
+    /// Moves along the handle [m].
     void lift(float length);
-    /// About the tool's own axes [rad], at its tip.
+    /// Rotates about the tool's own axes [rad], at its tip.
     void turn(const Vec3f& angles);
-    /// Back to the start, on the straight way.
-    void go_home() { wanted_ = home_; }
-    /// To another start, at once.
-    void put(const RigidTransform& pose) { pose_ = wanted_ = home_ = pose; }
+    /// Returns to the start along a straight path.
+    void go_home() { target_ = home_; }
+    /// Jumps to a new start pose.
+    void reset_to(const RigidTransform& pose) { pose_ = target_ = home_ = pose; }
 
-    /// Follows what was asked for by `dt` [s].
-    void advance(float dt, const Lead& lead);
+    /// Moves the pose towards the target for `dt` [s].
+    void advance(float dt, const Overtravel& overtravel);
 
     [[nodiscard]] const RigidTransform& pose() const { return pose_; }
-    [[nodiscard]] const RigidTransform& wanted() const { return wanted_; }
+    [[nodiscard]] const RigidTransform& target() const { return target_; }
     [[nodiscard]] Vec3f tip() const { return pose_ * tip_; }
-    /// Where the tool, as wanted, is nearest to `point`: [m] along it from its origin.
-    [[nodiscard]] float length_until(const Vec3f& point) const;
-    /// That place [m].
-    [[nodiscard]] Vec3f along(float length) const;
+    /// Arc length [m] from the origin to the point of the target tool nearest to `point`.
+    [[nodiscard]] float arc_length_to(const Vec3f& point) const;
+    /// The point [m] at that arc length.
+    [[nodiscard]] Vec3f point_at(float length) const;
     [[nodiscard]] float length() const { return length_; }
 
   private:
     void swing(const Vec3f& pivot, const Vec3f& arm, const Vec3f& way);
-    void hold_back(float dt, const Lead& lead);
-    /// [m], that tip or origin has to go yet.
-    [[nodiscard]] float path() const;
-    /// So much of the way there, the tip on a straight line.
-    [[nodiscard]] RigidTransform towards_wanted(float share) const;
+    void limit_overtravel(float dt, const Overtravel& overtravel);
+    /// [m] distance that tip or origin still has to move.
+    [[nodiscard]] float remaining_distance() const;
+    /// The pose a fraction `share` of the way to the target, with the tip on a straight line.
+    [[nodiscard]] RigidTransform interpolated_to_target(float share) const;
 
     float length_, curvature_;
     HandLimits limits_;
     Vec3f tip_;  // tool frame
-    RigidTransform home_, pose_, wanted_;
+    RigidTransform home_, pose_, target_;
 };
 
 }  // namespace eti::client

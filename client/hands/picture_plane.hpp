@@ -2,14 +2,14 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "client/render/camera.hpp"
+#include "client/render/views/camera.hpp"
 
 namespace eti::client {
 
-/// The move [m, patient frame] in the plane of a picture that carries what is drawn at `point` [m] along with
-/// a mouse: so many pixels to the right and down in a picture `height` pixels high. What lies nearer than
-/// 10 mm before the camera, or behind it, counts as so far.
-[[nodiscard]] Vec3f in_picture(const render::Camera& camera, float height, const Vec3f& point, float right,
-                               float down);
+/// Displacement [m, patient frame] parallel to the picture plane that makes the point drawn at `point` [m]
+/// follow the mouse: `right` and `down` pixels in a picture `height` pixels high. Points behind the camera
+/// or nearer than 10 mm are treated as at 10 mm.
+[[nodiscard]] Vec3f picture_displacement(const render::Camera& camera, float height, const Vec3f& point,
+                                         float right, float down);
 
 }  // namespace eti::client

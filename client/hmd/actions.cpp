@@ -17,13 +17,14 @@ XrPath path(XrInstance instance, const char* text) {
 }  // namespace
 
 Actions::Actions(XrInstance instance, XrSession session) : session_(session) {
-    auto info = made<XrActionSetCreateInfo>(XR_TYPE_ACTION_SET_CREATE_INFO);
+    auto info = make_struct<XrActionSetCreateInfo>(XR_TYPE_ACTION_SET_CREATE_INFO);
     std::strncpy(info.actionSetName, "hands", XR_MAX_ACTION_SET_NAME_SIZE - 1);
     std::strncpy(info.localizedActionSetName, "Hands", XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE - 1);
     check(xrCreateActionSet(instance, &info, set_.put()), "xrCreateActionSet");
     hands_ = {path(instance, "/user/hand/left"), path(instance, "/user/hand/right")};
-    trigger_ = make(XR_ACTION_TYPE_FLOAT_INPUT, "trigger", "Suction, or a click on the panel", Of::each_hand);
-    aim_ = make(XR_ACTION_TYPE_POSE_INPUT, "aim", "Point at the panel", Of::each_hand);
+    trigger_ =
+        make(XR_ACTION_TYPE_FLOAT_INPUT, "trigger", "Suction, or a click on the panel", HandScope::each_hand);
+    aim_ = make(XR_ACTION_TYPE_POSE_INPUT, "aim", "Point at the panel", HandScope::each_hand);
     head_and_jaw_ =
         make(XR_ACTION_TYPE_VECTOR2F_INPUT, "head_and_jaw", "Head up and down, jaw open and closed");
     head_and_jaw_pressed_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "head_and_jaw_pressed", "Move head or jaw");
@@ -35,12 +36,12 @@ Actions::Actions(XrInstance instance, XrSession session) : session_(session) {
     panel_ = make(XR_ACTION_TYPE_BOOLEAN_INPUT, "panel", "Instructor's panel on or off");
     suggest(instance);
     const XrActionSet set = set_.get();
-    auto attach = made<XrSessionActionSetsAttachInfo>(XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO);
+    auto attach = make_struct<XrSessionActionSetsAttachInfo>(XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO);
     attach.countActionSets = 1;
     attach.actionSets = &set;
     check(xrAttachSessionActionSets(session, &attach), "xrAttachSessionActionSets");
     for (std::size_t hand = 0; hand < hands_.size(); ++hand) {
-        auto space = made<XrActionSpaceCreateInfo>(XR_TYPE_ACTION_SPACE_CREATE_INFO);
+        auto space = make_struct<XrActionSpaceCreateInfo>(XR_TYPE_ACTION_SPACE_CREATE_INFO);
         space.action = aim_;
         space.subactionPath = hands_[hand];
         space.poseInActionSpace = to_xr(RigidTransform{});
@@ -48,12 +49,12 @@ Actions::Actions(XrInstance instance, XrSession session) : session_(session) {
     }
 }
 
-XrAction Actions::make(XrActionType type, const char* name, const char* shown, Of of) const {
-    auto info = made<XrActionCreateInfo>(XR_TYPE_ACTION_CREATE_INFO);
+XrAction Actions::make(XrActionType type, const char* name, const char* shown, HandScope scope) const {
+    auto info = make_struct<XrActionCreateInfo>(XR_TYPE_ACTION_CREATE_INFO);
     info.actionType = type;
     std::strncpy(info.actionName, name, XR_MAX_ACTION_NAME_SIZE - 1);
     std::strncpy(info.localizedActionName, shown, XR_MAX_LOCALIZED_ACTION_NAME_SIZE - 1);
-    if (of == Of::each_hand) {
+    if (scope == HandScope::each_hand) {
         info.countSubactionPaths = static_cast<std::uint32_t>(hands_.size());
         info.subactionPaths = hands_.data();
     }
@@ -62,7 +63,7 @@ XrAction Actions::make(XrActionType type, const char* name, const char* shown, O
     return action;
 }
 
-// Runtimes offer them to whoever holds such a controller, and fit others to them.
+// Suggested bindings; runtimes adapt them to controllers without their own profile.
 void Actions::suggest(XrInstance instance) const {
     struct Row {
         XrAction action;
@@ -83,7 +84,8 @@ void Actions::suggest(XrInstance instance) const {
                                           {table_pressed_, "/user/hand/left/input/trackpad/click"},
                                           {enhanced_, "/user/hand/right/input/menu/click"},
                                           {panel_, "/user/hand/left/input/menu/click"}}},
-                                        // Two buttons a hand: enough for what a trainee asks for most.
+                                        // Two buttons per hand: enough for a trainee's most frequent
+                                        // actions.
                                         {"/interaction_profiles/khr/simple_controller",
                                          {{trigger_, "/user/hand/right/input/select/click"},
                                           {aim_, "/user/hand/right/input/aim/pose"},
@@ -96,7 +98,7 @@ void Actions::suggest(XrInstance instance) const {
             bindings.push_back({row.action, path(instance, row.input)});
         }
         auto suggestion =
-            made<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
+            make_struct<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
         suggestion.interactionProfile = path(instance, profile.name);
         suggestion.countSuggestedBindings = static_cast<std::uint32_t>(bindings.size());
         suggestion.suggestedBindings = bindings.data();
@@ -107,7 +109,7 @@ void Actions::suggest(XrInstance instance) const {
 
 HandInput Actions::read(XrSpace world, XrTime at) const {
     const XrActiveActionSet set{set_.get(), XR_NULL_PATH};
-    auto sync = made<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
+    auto sync = make_struct<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
     sync.countActiveActionSets = 1;
     sync.activeActionSets = &set;
     if (check(xrSyncActions(session_, &sync), "xrSyncActions") == XR_SESSION_NOT_FOCUSED) {
@@ -127,16 +129,16 @@ HandInput Actions::read(XrSpace world, XrTime at) const {
 }
 
 float Actions::trigger(std::size_t hand) const {
-    auto info = made<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
+    auto info = make_struct<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
     info.action = trigger_;
     info.subactionPath = hands_[hand];
-    auto state = made<XrActionStateFloat>(XR_TYPE_ACTION_STATE_FLOAT);
+    auto state = make_struct<XrActionStateFloat>(XR_TYPE_ACTION_STATE_FLOAT);
     check(xrGetActionStateFloat(session_, &info, &state), "xrGetActionStateFloat");
     return state.isActive == XR_TRUE ? state.currentState : 0.0f;
 }
 
 std::optional<RigidTransform> Actions::aim(std::size_t hand, XrSpace world, XrTime at) const {
-    auto location = made<XrSpaceLocation>(XR_TYPE_SPACE_LOCATION);
+    auto location = make_struct<XrSpaceLocation>(XR_TYPE_SPACE_LOCATION);
     check(xrLocateSpace(aims_[hand].get(), world, at, &location), "xrLocateSpace");
     constexpr XrSpaceLocationFlags known =
         XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
@@ -144,17 +146,17 @@ std::optional<RigidTransform> Actions::aim(std::size_t hand, XrSpace world, XrTi
 }
 
 bool Actions::pressed(XrAction action) const {
-    auto info = made<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
+    auto info = make_struct<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
     info.action = action;
-    auto state = made<XrActionStateBoolean>(XR_TYPE_ACTION_STATE_BOOLEAN);
+    auto state = make_struct<XrActionStateBoolean>(XR_TYPE_ACTION_STATE_BOOLEAN);
     check(xrGetActionStateBoolean(session_, &info, &state), "xrGetActionStateBoolean");
     return state.isActive == XR_TRUE && state.currentState == XR_TRUE;
 }
 
 Pad Actions::pad(XrAction place, XrAction press) const {
-    auto info = made<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
+    auto info = make_struct<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
     info.action = place;
-    auto state = made<XrActionStateVector2f>(XR_TYPE_ACTION_STATE_VECTOR2F);
+    auto state = make_struct<XrActionStateVector2f>(XR_TYPE_ACTION_STATE_VECTOR2F);
     check(xrGetActionStateVector2f(session_, &info, &state), "xrGetActionStateVector2f");
     return state.isActive == XR_TRUE ? Pad{state.currentState.x, state.currentState.y, pressed(press)}
                                      : Pad{};

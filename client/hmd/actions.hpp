@@ -11,20 +11,20 @@
 
 namespace eti::hmd {
 
-/// What hand controllers are asked for, and which part of which controller is suggested for it.
+/// OpenXR actions for the hand controllers, with suggested bindings for each interaction profile.
 class Actions {
   public:
-    /// Before the session begins. Throws CallFailed.
+    /// Must be created before the session begins. Throws OpenXrError.
     Actions(XrInstance instance, XrSession session);
 
-    /// Takes in what the hands do now, and where in `world` they point from at a time. All at rest while the
-    /// runtime keeps them to itself.
+    /// Reads the state of the hands, and their aim poses in `world` at a time. All inactive while the
+    /// runtime holds the input focus.
     [[nodiscard]] HandInput read(XrSpace world, XrTime at) const;
 
   private:
-    enum class Of : bool { any_hand, each_hand };
+    enum class HandScope : bool { any_hand, each_hand };
     [[nodiscard]] XrAction make(XrActionType type, const char* name, const char* shown,
-                                Of of = Of::any_hand) const;
+                                HandScope scope = HandScope::any_hand) const;
     void suggest(XrInstance instance) const;
     [[nodiscard]] bool pressed(XrAction action) const;
     [[nodiscard]] Pad pad(XrAction place, XrAction press) const;
@@ -32,15 +32,15 @@ class Actions {
     [[nodiscard]] std::optional<RigidTransform> aim(std::size_t hand, XrSpace world, XrTime at) const;
 
     XrSession session_;
-    Owned<XrActionSet, xrDestroyActionSet> set_;
-    // They go with their set.
+    UniqueHandle<XrActionSet, xrDestroyActionSet> set_;
+    // Destroyed with their action set.
     std::array<XrPath, 2> hands_{};  // left first
     XrAction trigger_ = XR_NULL_HANDLE, aim_ = XR_NULL_HANDLE;
     XrAction head_and_jaw_ = XR_NULL_HANDLE, head_and_jaw_pressed_ = XR_NULL_HANDLE;
     XrAction table_ = XR_NULL_HANDLE, table_pressed_ = XR_NULL_HANDLE;
     XrAction head_up_ = XR_NULL_HANDLE, head_down_ = XR_NULL_HANDLE, enhanced_ = XR_NULL_HANDLE;
     XrAction panel_ = XR_NULL_HANDLE;
-    std::array<Owned<XrSpace, xrDestroySpace>, 2> aims_;
+    std::array<UniqueHandle<XrSpace, xrDestroySpace>, 2> aims_;
 };
 
 }  // namespace eti::hmd

@@ -23,7 +23,7 @@ EyeImages::EyeImages(XrSession session, const Graphics& graphics, int eye_width,
     : graphics_(graphics), width_(eye_width), height_(eye_height) {
     try {
         chains_.push_back(std::make_unique<Swapchain>(session, eye_width, eye_height, 2));
-    } catch (const CallFailed& failed) {
+    } catch (const OpenXrError& failed) {
         if (failed.result != XR_ERROR_FEATURE_UNSUPPORTED) {
             throw;
         }
@@ -51,12 +51,12 @@ XrSwapchainSubImage EyeImages::of(int eye) const {
     return layered() ? chains_.front()->layer(eye) : chains_[static_cast<std::size_t>(eye)]->layer(0);
 }
 
-PanelImage::PanelImage(XrSession session, const Graphics& graphics, int width, int height)
+QuadImage::QuadImage(XrSession session, const Graphics& graphics, int width, int height)
     : graphics_(graphics), chain_(session, width, height, 1) {
     graphics_.make_current();
 }
 
-void PanelImage::show(const render::RenderTarget& panel) {
+void QuadImage::show(const render::RenderTarget& panel) {
     acquire(chain_, graphics_);
     copy(panel, {0, 0, panel.width(), panel.height()}, chain_, 0, framebuffer_);
     chain_.release();

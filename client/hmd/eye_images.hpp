@@ -7,17 +7,17 @@
 
 #include "client/hmd/graphics.hpp"
 #include "client/hmd/swapchain.hpp"
-#include "client/render/gl_object.hpp"
-#include "client/render/render_target.hpp"
+#include "client/render/gl/gl_object.hpp"
+#include "client/render/gl/render_target.hpp"
 
 namespace eti::hmd {
 
-/// What lies before both eyes: two layers of one picture where the runtime has such, else a picture for each.
+/// Images for both eyes: one two-layer swapchain if the runtime supports it, otherwise one per eye.
 class EyeImages {
   public:
     EyeImages(XrSession session, const Graphics& graphics, int eye_width, int eye_height);
 
-    /// Copies both eyes' halves, drawn side by side, left first. Throws CallFailed.
+    /// Copies both eyes' halves, drawn side by side, left first. Throws OpenXrError.
     void show(const render::RenderTarget& both);
     /// 0: left, 1: right.
     [[nodiscard]] XrSwapchainSubImage of(int eye) const;
@@ -30,12 +30,12 @@ class EyeImages {
     render::Framebuffer framebuffer_;
 };
 
-/// A flat sheet with text, as drawn.
-class PanelImage {
+/// Image of a flat quad with text.
+class QuadImage {
   public:
-    PanelImage(XrSession session, const Graphics& graphics, int width, int height);
+    QuadImage(XrSession session, const Graphics& graphics, int width, int height);
 
-    /// Throws CallFailed.
+    /// Copies the panel's picture. Throws OpenXrError.
     void show(const render::RenderTarget& panel);
     [[nodiscard]] XrSwapchainSubImage image() const { return chain_.layer(0); }
 

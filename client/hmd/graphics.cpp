@@ -7,7 +7,7 @@
 
 #include "client/hmd/xr.hpp"
 
-// Last: X11 defines words that other headers use.
+// Last: X11 defines macros that clash with other headers.
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <epoxy/glx.h>
@@ -20,21 +20,21 @@
 namespace eti::hmd {
 
 struct Graphics::Names {
-    XrGraphicsBindingEGLMNDX egl = made<XrGraphicsBindingEGLMNDX>(XR_TYPE_GRAPHICS_BINDING_EGL_MNDX);
+    XrGraphicsBindingEGLMNDX egl = make_struct<XrGraphicsBindingEGLMNDX>(XR_TYPE_GRAPHICS_BINDING_EGL_MNDX);
     XrGraphicsBindingOpenGLXlibKHR glx =
-        made<XrGraphicsBindingOpenGLXlibKHR>(XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR);
+        make_struct<XrGraphicsBindingOpenGLXlibKHR>(XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR);
     bool through_egl = false;
 };
 
 namespace {
 
 XrGraphicsBindingEGLMNDX named_by_egl() {
-    auto out = made<XrGraphicsBindingEGLMNDX>(XR_TYPE_GRAPHICS_BINDING_EGL_MNDX);
+    auto out = make_struct<XrGraphicsBindingEGLMNDX>(XR_TYPE_GRAPHICS_BINDING_EGL_MNDX);
     out.getProcAddress = reinterpret_cast<PFNEGLGETPROCADDRESSPROC>(eglGetProcAddress);
     out.display = eglGetCurrentDisplay();
     out.context = eglGetCurrentContext();
     EGLint id = 0, count = 0;
-    // A context may have been made without any configuration.
+    // A context may have been created without a config.
     if (eglQueryContext(out.display, out.context, EGL_CONFIG_ID, &id) == EGL_TRUE && id != 0) {
         const std::array<EGLint, 3> same{EGL_CONFIG_ID, id, EGL_NONE};
         eglChooseConfig(out.display, same.data(), &out.config, 1, &count);
@@ -43,7 +43,7 @@ XrGraphicsBindingEGLMNDX named_by_egl() {
 }
 
 XrGraphicsBindingOpenGLXlibKHR named_by_glx() {
-    auto out = made<XrGraphicsBindingOpenGLXlibKHR>(XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR);
+    auto out = make_struct<XrGraphicsBindingOpenGLXlibKHR>(XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR);
     out.xDisplay = glXGetCurrentDisplay();
     out.glxContext = glXGetCurrentContext();
     out.glxDrawable = glXGetCurrentDrawable();

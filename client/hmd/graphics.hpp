@@ -6,17 +6,18 @@
 
 namespace eti::hmd {
 
-/// The OpenGL context that pictures for a headset are drawn with, named as a runtime wants it: of a window
-/// (GLX), or of none (EGL).
+/// The OpenGL context in which a headset's pictures are drawn, described as the runtime requires: windowed
+/// (GLX) or headless (EGL).
 class Graphics {
   public:
-    /// Of the context that is current. Throws std::runtime_error where none is.
+    /// Captures the current context. Throws std::runtime_error if there is none.
     Graphics();
     ~Graphics();
     Graphics(const Graphics&) = delete;
     Graphics& operator=(const Graphics&) = delete;
 
-    /// Again: runtimes draw with contexts of their own and may leave one of those, or none, current.
+    /// Makes the context current again: runtimes draw with contexts of their own and may leave one of
+    /// those, or none, current.
     void make_current() const;
     /// For XrSessionCreateInfo::next.
     [[nodiscard]] const void* binding() const;

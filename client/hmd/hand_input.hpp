@@ -9,7 +9,7 @@
 
 namespace eti::hmd {
 
-/// A round pad under the thumb: -1 to 1 to the right and up.
+/// A thumbstick or trackpad: -1 to 1 to the right and up.
 struct Pad {
     float x = 0.0f, y = 0.0f;
     bool pressed = false;
@@ -17,19 +17,19 @@ struct Pad {
 
 /// One hand.
 struct Hand {
-    std::optional<RigidTransform> aim;  ///< where it points from, along -z, in the world; nothing: unknown
+    std::optional<RigidTransform> aim;  ///< world frame, pointing along -z; nullopt: not tracked
     float trigger = 0.0f;               ///< 0-1
 };
 
-/// What both hand controllers do, by what it is meant for. All at rest while no hand is there.
+/// Input of both hand controllers, by function. All inactive while no hand is present.
 struct HandInput {
-    std::array<Hand, 2> hands{};  ///< left first; a trigger sucks, or clicks at what is pointed at
-    Pad head_and_jaw{};           ///< up and down: the head; right and left: the jaw
-    Pad table{};                  ///< up and down
-    bool head_up = false;         ///< of controllers without a pad
+    std::array<Hand, 2> hands{};  ///< left first; the trigger controls suction, or clicks on a panel
+    Pad head_and_jaw{};           ///< up and down: head; right and left: jaw
+    Pad table{};                  ///< up and down: table tilt
+    bool head_up = false;         ///< for controllers without a pad
     bool head_down = false;
     bool enhanced = false;
-    bool panel = false;  ///< the instructor's, shown or hidden
+    bool panel = false;  ///< toggles the instructor's panel
 };
 
 }  // namespace eti::hmd

@@ -4,29 +4,29 @@
 
 namespace eti::hmd {
 
-Duty LifeCycle::enter(SessionState state) {
+RequiredCall LifeCycle::enter(SessionState state) {
     if (end_ != SessionEnd::none) {
-        return Duty::none;
+        return RequiredCall::none;
     }
     state_ = state;
     switch (state) {
         case SessionState::ready:
             if (!running_) {
                 running_ = true;
-                return Duty::begin_session;
+                return RequiredCall::begin_session;
             }
             break;
         case SessionState::stopping:
             if (running_) {
                 running_ = false;
-                return Duty::end_session;
+                return RequiredCall::end_session;
             }
             break;
         case SessionState::exiting:
-            lose(SessionEnd::left);
+            end_with(SessionEnd::left);
             break;
         case SessionState::loss_pending:
-            lose(SessionEnd::headset_gone);
+            end_with(SessionEnd::headset_lost);
             break;
         case SessionState::unknown:
         case SessionState::idle:
@@ -35,20 +35,20 @@ Duty LifeCycle::enter(SessionState state) {
         case SessionState::focused:
             break;
     }
-    return Duty::none;
+    return RequiredCall::none;
 }
 
-void LifeCycle::lose(SessionEnd end) {
+void LifeCycle::end_with(SessionEnd end) {
     if (end_ == SessionEnd::none) {
         end_ = end;
     }
 }
 
-bool LifeCycle::ask_to_leave() {
+bool LifeCycle::request_exit() {
     if (running()) {
         return true;
     }
-    lose(SessionEnd::left);
+    end_with(SessionEnd::left);
     return false;
 }
 

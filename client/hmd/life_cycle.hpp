@@ -6,48 +6,48 @@
 
 namespace eti::hmd {
 
-/// Where a runtime says that its session is: XrSessionState, so that the life cycle needs no OpenXR.
+/// Mirrors XrSessionState, so that the life cycle does not depend on OpenXR.
 enum class SessionState : std::uint8_t {
     unknown,
-    idle,          ///< nobody wears the headset, or it is given to another program
-    ready,         ///< frames are wanted
-    synchronized,  ///< frames are paced, nobody sees them
-    visible,       ///< seen, but a menu of the runtime lies over them and has the hands
+    idle,          ///< headset not worn, or used by another program
+    ready,         ///< the runtime wants frames
+    synchronized,  ///< frames are paced but not visible
+    visible,       ///< visible, but a runtime menu lies on top and has the input focus
     focused,
     stopping,
-    loss_pending,  ///< the headset is going
-    exiting,       ///< the runtime, or whoever wears it, wants the program to end
+    loss_pending,  ///< the headset is being disconnected
+    exiting,       ///< the runtime or the user wants the program to end
 };
 
-/// What a change of state obliges to call.
-enum class Duty : std::uint8_t { none, begin_session, end_session };
+/// The OpenXR call that a state change requires.
+enum class RequiredCall : std::uint8_t { none, begin_session, end_session };
 
-/// Why a session is over.
+/// Why a session ended.
 enum class SessionEnd : std::uint8_t {
     none,
-    left,          ///< by whoever wears the headset, or because the program asked for it
-    headset_gone,  ///< another session may follow
-    runtime_gone,  ///< another runtime may follow
+    left,          ///< by the user, or because the program requested it
+    headset_lost,  ///< another session may follow
+    runtime_lost,  ///< another runtime may follow
 };
 
-/// What a session may and must do as the runtime leads it from state to state (OpenXR 1.0, 9.2 and 9.3).
+/// What a session may and must do as the runtime moves it from state to state (OpenXR 1.0, 9.2 and 9.3).
 class LifeCycle {
   public:
-    /// States that leave some out, or come twice, oblige to nothing that was done already.
-    [[nodiscard]] Duty enter(SessionState state);
-    /// The first loss counts.
-    void lose(SessionEnd end);
-    /// The program wants to end. True: the runtime must be asked to, and leads there; else it is over at
-    /// once.
-    [[nodiscard]] bool ask_to_leave();
+    /// Tolerates skipped and repeated states: a call already made is not required again.
+    [[nodiscard]] RequiredCall enter(SessionState state);
+    /// Only the first reason counts.
+    void end_with(SessionEnd end);
+    /// Requests the end of the session. True: the caller must call xrRequestExitSession, and the runtime
+    /// will move to the end; otherwise the session ends at once.
+    [[nodiscard]] bool request_exit();
 
     /// Frames must be waited for, begun and ended.
     [[nodiscard]] bool running() const { return running_ && end_ == SessionEnd::none; }
-    /// Whoever wears the headset sees them.
+    /// Frames are visible to the user.
     [[nodiscard]] bool visible() const {
         return running() && (state_ == SessionState::visible || state_ == SessionState::focused);
     }
-    /// What hands do is meant for this program.
+    /// The hands' input belongs to this program.
     [[nodiscard]] bool focused() const { return running() && state_ == SessionState::focused; }
     [[nodiscard]] SessionEnd end() const { return end_; }
 

@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
-// Before OpenXR's, which declares what is particular to OpenGL and EGL only where it is asked for.
+// Must precede OpenXR's headers, which declare OpenGL and EGL parts only on request.
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 

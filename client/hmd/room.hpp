@@ -2,24 +2,24 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "client/render/camera.hpp"
+#include "client/render/views/camera.hpp"
 #include "common/math/transform.hpp"
 
 namespace eti::hmd {
 
-/// Where the patient lies in the trainee's room. The world is OpenXR's local space: metres, y up, -z ahead,
-/// its origin where the eyes were when the headset was last centred.
+/// The patient's place in the trainee's room. The world is OpenXR's local space: metres, y up, -z ahead,
+/// origin at the eyes when the headset was last recentred.
 struct Room {
-    /// Of the upper gum. By default the eyes are 0.36 m from it, on the line along which an extended head
-    /// shows its glottis.
+    /// Position of the upper gum. By default the eyes are 0.36 m from it, on the line along which an
+    /// extended head shows its glottis.
     Vec3f gum{0.0f, -0.20f, -0.30f};
 
-    /// No farther than this along each axis [m].
-    static constexpr float farthest = 2.0f;
+    /// Maximum offset along each axis [m].
+    static constexpr float max_offset = 2.0f;
 
-    /// The patient's frame in the world. The trainee stands at the head of a patient on its back. The table
-    /// turns about the gum, so that the mouth stays before the trainee; `table_angle` [rad], positive
-    /// head-up; NaN, while it is unknown, is level.
+    /// The patient frame in the world. The trainee stands at the head of a supine patient. The table
+    /// rotates about the gum, so that the mouth stays in front of the trainee; `table_angle` [rad],
+    /// positive head-up. NaN (unknown) is treated as level.
     [[nodiscard]] RigidTransform patient(float table_angle) const;
 };
 

@@ -15,7 +15,7 @@ namespace eti::hmd {
 namespace {
 
 [[noreturn]] void no_runtime(const char* call, XrResult result) {
-    throw NoRuntime(fmt::format(
+    throw RuntimeUnavailable(fmt::format(
         "--view hmd: no OpenXR runtime answers ({}: {}). Expected one named by XR_RUNTIME_JSON or by "
         "openxr/1/active_runtime.json in ~/.config, /etc/xdg or /etc. Install the headset's software, e.g. "
         "Monado "
@@ -27,7 +27,8 @@ std::vector<XrExtensionProperties> offered() {
     std::uint32_t count = 0;
     const char* const call = "xrEnumerateInstanceExtensionProperties";
     XrResult result = xrEnumerateInstanceExtensionProperties(nullptr, 0, &count, nullptr);
-    std::vector<XrExtensionProperties> out(count, made<XrExtensionProperties>(XR_TYPE_EXTENSION_PROPERTIES));
+    std::vector<XrExtensionProperties> out(count,
+                                           make_struct<XrExtensionProperties>(XR_TYPE_EXTENSION_PROPERTIES));
     if (XR_SUCCEEDED(result) && count > 0) {
         result = xrEnumerateInstanceExtensionProperties(nullptr, count, &count, out.data());
     }
@@ -46,7 +47,7 @@ Runtime::Runtime() {
             all, [&](const auto& one) { return std::strcmp(one.extensionName, wanted) == 0; });
     };
     if (!has(XR_KHR_OPENGL_ENABLE_EXTENSION_NAME)) {
-        throw NoRuntime(fmt::format(
+        throw RuntimeUnavailable(fmt::format(
             "--view hmd: the OpenXR runtime offers no {}, which drawing into a headset needs. Choose one "
             "that does, e.g. Monado or SteamVR, with XR_RUNTIME_JSON.",
             XR_KHR_OPENGL_ENABLE_EXTENSION_NAME));
@@ -56,7 +57,7 @@ Runtime::Runtime() {
     if (egl_) {
         extensions.push_back(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
     }
-    auto info = made<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
+    auto info = make_struct<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
     std::strncpy(info.applicationInfo.applicationName, "NeoETI", XR_MAX_APPLICATION_NAME_SIZE - 1);
     info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
@@ -64,13 +65,13 @@ Runtime::Runtime() {
     if (const XrResult result = xrCreateInstance(&info, instance_.put()); XR_FAILED(result)) {
         no_runtime("xrCreateInstance", result);
     }
-    auto properties = made<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
+    auto properties = make_struct<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
     check(xrGetInstanceProperties(instance(), &properties), "xrGetInstanceProperties");
     name_ = properties.runtimeName;
 }
 
 std::optional<Headset> Runtime::headset() const {
-    auto info = made<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
+    auto info = make_struct<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
     info.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
     Headset out;
     const XrResult result = xrGetSystem(instance(), &info, &out.system);
@@ -78,17 +79,17 @@ std::optional<Headset> Runtime::headset() const {
         return std::nullopt;
     }
     if (result == XR_ERROR_FORM_FACTOR_UNSUPPORTED) {
-        throw NoRuntime(
+        throw RuntimeUnavailable(
             fmt::format("--view hmd: the OpenXR runtime '{}' drives no headset. Choose one that does "
                         "with XR_RUNTIME_JSON.",
                         name_));
     }
     check(result, "xrGetSystem");
-    auto properties = made<XrSystemProperties>(XR_TYPE_SYSTEM_PROPERTIES);
+    auto properties = make_struct<XrSystemProperties>(XR_TYPE_SYSTEM_PROPERTIES);
     check(xrGetSystemProperties(instance(), out.system, &properties), "xrGetSystemProperties");
     out.name = properties.systemName;
     std::array<XrViewConfigurationView, 2> views{};
-    views.fill(made<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
+    views.fill(make_struct<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
     std::uint32_t count = 0;
     check(xrEnumerateViewConfigurationViews(instance(), out.system, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO,
                                             static_cast<std::uint32_t>(views.size()), &count, views.data()),

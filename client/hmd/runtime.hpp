@@ -9,33 +9,33 @@
 
 namespace eti::hmd {
 
-/// No runtime answers, or none that takes pictures of OpenGL: a person can mend that.
-struct NoRuntime : std::runtime_error {
+/// No OpenXR runtime responds, or none supports OpenGL; a user can correct this.
+struct RuntimeUnavailable : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A headset that can be worn now.
+/// A headset that is ready for use.
 struct Headset {
     XrSystemId system = XR_NULL_SYSTEM_ID;
     std::string name;
     int eye_width = 0, eye_height = 0;  ///< [pixels], as the runtime recommends
 };
 
-/// The headset's software, as the machine's OpenXR loader finds it.
+/// The OpenXR runtime, as found by the machine's loader.
 class Runtime {
   public:
-    /// Throws NoRuntime, which says what to install.
+    /// Throws RuntimeUnavailable, which says what to install.
     Runtime();
     Runtime(const Runtime&) = delete;
     Runtime& operator=(const Runtime&) = delete;
 
     [[nodiscard]] XrInstance instance() const { return instance_.get(); }
     [[nodiscard]] const std::string& name() const { return name_; }
-    /// Takes pictures from a program that has no window.
-    [[nodiscard]] bool takes_egl() const { return egl_; }
-    /// Nothing: none is there yet. Throws NoRuntime where there never will be one.
+    /// Whether the runtime accepts a headless (EGL) context.
+    [[nodiscard]] bool supports_egl() const { return egl_; }
+    /// nullopt: no headset yet. Throws RuntimeUnavailable if there can never be one.
     [[nodiscard]] std::optional<Headset> headset() const;
-    /// Of an extension. Throws CallFailed.
+    /// Loads an extension function. Throws OpenXrError.
     template <class Function>
     [[nodiscard]] Function function(const char* called) const {
         Function out = nullptr;
@@ -44,7 +44,7 @@ class Runtime {
     }
 
   private:
-    Owned<XrInstance, xrDestroyInstance> instance_;
+    UniqueHandle<XrInstance, xrDestroyInstance> instance_;
     std::string name_;
     bool egl_ = false;
 };

@@ -34,9 +34,9 @@ SessionState from_xr(XrSessionState state) {
     }
 }
 
-// A runtime refuses a session before it was asked which versions it draws with.
+// A runtime rejects a session unless its supported OpenGL versions were queried before.
 void ask_for_versions(const Runtime& runtime, XrSystemId system) {
-    auto versions = made<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
+    auto versions = make_struct<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
     const auto ask =
         runtime.function<PFN_xrGetOpenGLGraphicsRequirementsKHR>("xrGetOpenGLGraphicsRequirementsKHR");
     check(ask(runtime.instance(), system, &versions), "xrGetOpenGLGraphicsRequirementsKHR");
@@ -55,36 +55,36 @@ void ask_for_versions(const Runtime& runtime, XrSystemId system) {
 }  // namespace
 
 Session::Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics,
-                 std::span<const PanelSize> panels)
+                 std::span<const QuadSize> panels)
     : runtime_(runtime) {
     ask_for_versions(runtime, headset.system);
-    auto info = made<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
+    auto info = make_struct<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
     info.next = graphics.binding();
     info.systemId = headset.system;
     check(xrCreateSession(runtime.instance(), &info, session_.put()), "xrCreateSession");
     graphics.make_current();
-    auto space = made<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
+    auto space = make_struct<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
     space.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
     space.poseInReferenceSpace = to_xr(RigidTransform{});
     check(xrCreateReferenceSpace(session_.get(), &space, world_.put()), "xrCreateReferenceSpace");
     actions_.emplace(runtime.instance(), session_.get());
     eye_images_.emplace(session_.get(), graphics, headset.eye_width, headset.eye_height);
-    for (const PanelSize& panel : panels) {
+    for (const QuadSize& panel : panels) {
         panel_images_.push_back(
-            std::make_unique<PanelImage>(session_.get(), graphics, panel.width, panel.height));
+            std::make_unique<QuadImage>(session_.get(), graphics, panel.width, panel.height));
     }
 }
 
-// What the runtime refuses because session or runtime is lost ends the session; other refusals are passed on.
+// Errors due to a lost session or runtime end the session; others are rethrown.
 template <class Call>
 auto Session::guarded(Call call) -> decltype(call()) {
     try {
         return call();
-    } catch (const CallFailed& failed) {
-        if (failed.runtime_gone()) {
-            life_.lose(SessionEnd::runtime_gone);
-        } else if (failed.headset_gone()) {
-            life_.lose(SessionEnd::headset_gone);
+    } catch (const OpenXrError& failed) {
+        if (failed.runtime_lost()) {
+            life_.end_with(SessionEnd::runtime_lost);
+        } else if (failed.headset_lost()) {
+            life_.end_with(SessionEnd::headset_lost);
         } else {
             throw;
         }
@@ -95,7 +95,7 @@ auto Session::guarded(Call call) -> decltype(call()) {
 void Session::poll() {
     guarded([&] {
         while (life_.end() == SessionEnd::none) {
-            auto event = made<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
+            auto event = make_struct<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
             if (check(xrPollEvent(runtime_.instance(), &event), "xrPollEvent") == XR_EVENT_UNAVAILABLE) {
                 break;
             }
@@ -104,12 +104,13 @@ void Session::poll() {
                     on_state(*reinterpret_cast<const XrEventDataSessionStateChanged*>(&event));
                     break;
                 case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
-                    // The runtime moves the world; the patient stays where it lies in it, before the trainee.
+                    // The runtime moves the world's origin; the patient keeps its place in it, in front of
+                    // the trainee.
                     spdlog::info("the headset was centred anew");
                     ++recentred_;
                     break;
                 case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
-                    life_.lose(SessionEnd::runtime_gone);
+                    life_.end_with(SessionEnd::runtime_lost);
                     break;
                 case XR_TYPE_EVENT_DATA_EVENTS_LOST:
                     spdlog::warn("the headset's runtime lost events: the program asked too late for them");
@@ -126,23 +127,23 @@ void Session::on_state(const XrEventDataSessionStateChanged& event) {
         return;
     }
     switch (life_.enter(from_xr(event.state))) {
-        case Duty::begin_session: {
-            auto info = made<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
+        case RequiredCall::begin_session: {
+            auto info = make_struct<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
             info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
             check(xrBeginSession(session_.get(), &info), "xrBeginSession");
             break;
         }
-        case Duty::end_session:
+        case RequiredCall::end_session:
             check(xrEndSession(session_.get()), "xrEndSession");
             break;
-        case Duty::none:
+        case RequiredCall::none:
             break;
     }
 }
 
 void Session::leave() {
     guarded([&] {
-        if (life_.ask_to_leave()) {
+        if (life_.request_exit()) {
             check(xrRequestExitSession(session_.get()), "xrRequestExitSession");
         }
     });
@@ -150,7 +151,7 @@ void Session::leave() {
 
 std::optional<Frame> Session::wait_frame() {
     return guarded([&]() -> std::optional<Frame> {
-        auto state = made<XrFrameState>(XR_TYPE_FRAME_STATE);
+        auto state = make_struct<XrFrameState>(XR_TYPE_FRAME_STATE);
         check(xrWaitFrame(session_.get(), nullptr, &state), "xrWaitFrame");
         check(xrBeginFrame(session_.get(), nullptr), "xrBeginFrame");
         return Frame{state.predictedDisplayTime, state.shouldRender == XR_TRUE};
@@ -159,13 +160,13 @@ std::optional<Frame> Session::wait_frame() {
 
 std::optional<Eyes> Session::eyes(const Frame& frame) {
     return guarded([&]() -> std::optional<Eyes> {
-        auto info = made<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
+        auto info = make_struct<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
         info.viewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
-        info.displayTime = frame.seen_at;
+        info.displayTime = frame.display_time;
         info.space = world_.get();
-        auto state = made<XrViewState>(XR_TYPE_VIEW_STATE);
+        auto state = make_struct<XrViewState>(XR_TYPE_VIEW_STATE);
         std::array<XrView, 2> views{};
-        views.fill(made<XrView>(XR_TYPE_VIEW));
+        views.fill(make_struct<XrView>(XR_TYPE_VIEW));
         std::uint32_t count = 0;
         check(xrLocateViews(session_.get(), &info, &state, static_cast<std::uint32_t>(views.size()), &count,
                             views.data()),
@@ -185,7 +186,7 @@ std::optional<Eyes> Session::eyes(const Frame& frame) {
 
 HandInput Session::hands(const Frame& frame) {
     return guarded(
-        [&] { return life_.focused() ? actions_->read(world_.get(), frame.seen_at) : HandInput{}; });
+        [&] { return life_.focused() ? actions_->read(world_.get(), frame.display_time) : HandInput{}; });
 }
 
 void Session::draw(const render::RenderTarget& both, std::span<const render::RenderTarget* const> panels) {
@@ -198,12 +199,12 @@ void Session::draw(const render::RenderTarget& both, std::span<const render::Ren
 }
 
 void Session::end_frame(const Frame& frame, const std::optional<Eyes>& seen_by,
-                        std::span<const Panel> panels) {
+                        std::span<const Quad> panels) {
     guarded([&] {
         std::array<XrCompositionLayerProjectionView, 2> views{};
-        auto room = made<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
+        auto room = make_struct<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
         std::vector<XrCompositionLayerQuad> sheets(
-            panels.size(), made<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD));
+            panels.size(), make_struct<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD));
         std::vector<const XrCompositionLayerBaseHeader*> layers;
         if (seen_by) {
             for (std::size_t i = 0; i < views.size(); ++i) {
@@ -225,8 +226,8 @@ void Session::end_frame(const Frame& frame, const std::optional<Eyes>& seen_by,
                 layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&sheet));
             }
         }
-        auto info = made<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
-        info.displayTime = frame.seen_at;
+        auto info = make_struct<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
+        info.displayTime = frame.display_time;
         info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
         info.layerCount = static_cast<std::uint32_t>(layers.size());
         info.layers = layers.data();

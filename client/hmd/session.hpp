@@ -11,56 +11,56 @@
 #include "client/hmd/actions.hpp"
 #include "client/hmd/eye_images.hpp"
 #include "client/hmd/life_cycle.hpp"
-#include "client/hmd/panel.hpp"
+#include "client/hmd/quad.hpp"
 #include "client/hmd/runtime.hpp"
 
 namespace eti::hmd {
 
-/// An eye as it will be when the frame is seen, in the world.
+/// Predicted state of an eye at display time, world frame.
 struct Eye {
     RigidTransform pose;
-    render::Field field;
+    render::FieldOfView field;
 };
 using Eyes = std::array<Eye, 2>;  ///< left first
 
-/// A frame that the runtime waits for.
+/// A frame requested by the runtime.
 struct Frame {
-    XrTime seen_at = 0;   ///< when it will be seen
-    bool wanted = false;  ///< somebody will see it
+    XrTime display_time = 0;     ///< predicted display time
+    bool should_render = false;  ///< the frame will be visible
 };
 
-/// The program's time with a headset, from its being free to its being lost or left. Everything is called by
-/// the thread whose OpenGL context `graphics` is. Calls that the runtime refuses for good end the session;
-/// see life().
+/// The program's OpenXR session with a headset, from its creation to its loss or end. All calls must come
+/// from the thread whose OpenGL context is `graphics`. Unrecoverable errors end the session; see life().
 class Session {
   public:
-    /// Of a panel's picture [pixels].
-    struct PanelSize {
+    /// Size of a panel's picture [pixels].
+    struct QuadSize {
         int width, height;
     };
 
-    /// Throws CallFailed.
+    /// Throws OpenXrError.
     Session(const Runtime& runtime, const Headset& headset, const Graphics& graphics,
-            std::span<const PanelSize> panels);
+            std::span<const QuadSize> panels);
 
-    /// Takes in what the runtime says, and does what that obliges to.
+    /// Processes the runtime's events and makes the calls that they require.
     void poll();
-    /// Begins to leave; life() tells when that is done.
+    /// Starts leaving the session; life() reports when it has ended.
     void leave();
     [[nodiscard]] const LifeCycle& life() const { return life_; }
 
-    /// Waits until it is time to draw the next frame. Only while life().running().
+    /// Waits until the next frame is due. Only while life().running().
     [[nodiscard]] std::optional<Frame> wait_frame();
-    /// Nothing while the headset does not know where it is.
+    /// nullopt while the headset is not tracked.
     [[nodiscard]] std::optional<Eyes> eyes(const Frame& frame);
     [[nodiscard]] HandInput hands(const Frame& frame);
-    /// What the next end_frame() shows: both eyes side by side, left first, and the first of the panels.
+    /// Sets the images for the next end_frame(): both eyes side by side, left first, and the pictures of
+    /// the first panels.
     void draw(const render::RenderTarget& both, std::span<const render::RenderTarget* const> panels);
-    /// Ends the frame with what was drawn for these eyes; nothing: with an empty picture. Where the panels
-    /// that were drawn hang.
-    void end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, std::span<const Panel> panels);
+    /// Ends the frame with the images drawn for these eyes; nullopt: with an empty frame. `panels`: poses
+    /// of the panels that were drawn.
+    void end_frame(const Frame& frame, const std::optional<Eyes>& seen_by, std::span<const Quad> panels);
 
-    /// How often whoever wears the headset has centred it anew.
+    /// Number of times the user has recentred the headset.
     [[nodiscard]] unsigned recentred() const { return recentred_; }
     [[nodiscard]] bool layered() const { return eye_images_->layered(); }
 
@@ -71,11 +71,11 @@ class Session {
 
     const Runtime& runtime_;
     LifeCycle life_;
-    Owned<XrSession, xrDestroySession> session_;
-    Owned<XrSpace, xrDestroySpace> world_;
+    UniqueHandle<XrSession, xrDestroySession> session_;
+    UniqueHandle<XrSpace, xrDestroySpace> world_;
     std::optional<Actions> actions_;
     std::optional<EyeImages> eye_images_;
-    std::vector<std::unique_ptr<PanelImage>> panel_images_;
+    std::vector<std::unique_ptr<QuadImage>> panel_images_;
     unsigned recentred_ = 0;
 };
 

@@ -9,7 +9,7 @@
 namespace eti::hmd {
 namespace {
 
-// What is drawn is sRGB already; a runtime that took it for linear would show it too bright.
+// The pictures are already sRGB-encoded; a linear format would show them too bright.
 constexpr std::int64_t format = GL_SRGB8_ALPHA8;
 
 void require_format(XrSession session) {
@@ -18,7 +18,7 @@ void require_format(XrSession session) {
     std::vector<std::int64_t> offered(count);
     check(xrEnumerateSwapchainFormats(session, count, &count, offered.data()), "xrEnumerateSwapchainFormats");
     if (std::ranges::find(offered, format) == offered.end()) {
-        throw CallFailed("a picture of GL_SRGB8_ALPHA8", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED);
+        throw OpenXrError("a picture of GL_SRGB8_ALPHA8", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED);
     }
 }
 
@@ -27,7 +27,7 @@ void require_format(XrSession session) {
 Swapchain::Swapchain(XrSession session, int width, int height, int layers)
     : width_(width), height_(height), layers_(layers) {
     require_format(session);
-    auto info = made<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
+    auto info = make_struct<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
     info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT;
     info.format = format;
     info.sampleCount = 1;
@@ -40,7 +40,7 @@ Swapchain::Swapchain(XrSession session, int width, int height, int layers)
     std::uint32_t count = 0;
     check(xrEnumerateSwapchainImages(swapchain_.get(), 0, &count, nullptr), "xrEnumerateSwapchainImages");
     std::vector<XrSwapchainImageOpenGLKHR> images(
-        count, made<XrSwapchainImageOpenGLKHR>(XR_TYPE_SWAPCHAIN_IMAGE_OPENGL_KHR));
+        count, make_struct<XrSwapchainImageOpenGLKHR>(XR_TYPE_SWAPCHAIN_IMAGE_OPENGL_KHR));
     check(xrEnumerateSwapchainImages(swapchain_.get(), count, &count,
                                      reinterpret_cast<XrSwapchainImageBaseHeader*>(images.data())),
           "xrEnumerateSwapchainImages");
@@ -51,7 +51,7 @@ Swapchain::Swapchain(XrSession session, int width, int height, int layers)
 
 void Swapchain::acquire() {
     check(xrAcquireSwapchainImage(swapchain_.get(), nullptr, &acquired_), "xrAcquireSwapchainImage");
-    auto wait = made<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
+    auto wait = make_struct<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
     wait.timeout = XR_INFINITE_DURATION;
     check(xrWaitSwapchainImage(swapchain_.get(), &wait), "xrWaitSwapchainImage");
 }

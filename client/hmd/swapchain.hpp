@@ -11,24 +11,24 @@
 
 namespace eti::hmd {
 
-/// Pictures that the runtime shows in turn: sRGB, of one layer or several.
+/// An sRGB swapchain of one or several layers.
 class Swapchain {
   public:
-    /// Throws CallFailed: XR_ERROR_FEATURE_UNSUPPORTED where the runtime has no pictures of several layers.
+    /// Throws OpenXrError: XR_ERROR_FEATURE_UNSUPPORTED if the runtime has no layered swapchains.
     Swapchain(XrSession session, int width, int height, int layers);
 
-    /// Waits for a picture that may be drawn into. Throws CallFailed.
+    /// Waits for an image to draw into. Throws OpenXrError.
     void acquire();
-    /// What was drawn into it is what the next frame shows.
+    /// Hands the image to the runtime for the next frame.
     void release();
-    /// Attaches a layer of the acquired picture to the framebuffer that is bound for drawing.
+    /// Attaches a layer of the acquired image to the framebuffer bound for drawing.
     void attach(int layer) const;
     [[nodiscard]] XrSwapchainSubImage layer(int layer) const;
     [[nodiscard]] int layers() const { return layers_; }
 
   private:
     int width_, height_, layers_;
-    Owned<XrSwapchain, xrDestroySwapchain> swapchain_;
+    UniqueHandle<XrSwapchain, xrDestroySwapchain> swapchain_;
     std::vector<GLuint> textures_;
     std::uint32_t acquired_ = 0;
 };

@@ -18,7 +18,7 @@ std::string name_of(XrResult result) {
 #undef ETI_NAME
 }
 
-CallFailed::CallFailed(const char* call, XrResult what)
+OpenXrError::OpenXrError(const char* call, XrResult what)
     : std::runtime_error(
           fmt::format("OpenXR: {} was refused by the headset's runtime ({}). Restart the runtime; eti-doctor "
                       "says which one is used.",
@@ -27,7 +27,7 @@ CallFailed::CallFailed(const char* call, XrResult what)
 
 XrResult check(XrResult result, const char* call) {
     if (XR_FAILED(result)) {
-        throw CallFailed(call, result);
+        throw OpenXrError(call, result);
     }
     return result;
 }
@@ -44,11 +44,11 @@ XrPosef to_xr(const RigidTransform& pose) {
     return {{q.x(), q.y(), q.z(), q.w()}, {p.x(), p.y(), p.z()}};
 }
 
-render::Field from_xr(const XrFovf& fov) {
+render::FieldOfView from_xr(const XrFovf& fov) {
     return {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown};
 }
 
-XrFovf to_xr(const render::Field& field) {
+XrFovf to_xr(const render::FieldOfView& field) {
     return {field.left, field.right, field.up, field.down};
 }
 

@@ -7,50 +7,50 @@
 #include <stdexcept>
 #include <string>
 
-#include "client/render/camera.hpp"
+#include "client/render/views/camera.hpp"
 #include "common/math/transform.hpp"
 
 namespace eti::hmd {
 
-/// As the specification spells it.
+/// The result's name, as the specification spells it.
 [[nodiscard]] std::string name_of(XrResult result);
 
-/// A call that the runtime refused.
-struct CallFailed : std::runtime_error {
-    CallFailed(const char* call, XrResult result);
-    [[nodiscard]] bool runtime_gone() const {
+/// A failed OpenXR call.
+struct OpenXrError : std::runtime_error {
+    OpenXrError(const char* call, XrResult result);
+    [[nodiscard]] bool runtime_lost() const {
         return result == XR_ERROR_INSTANCE_LOST || result == XR_ERROR_RUNTIME_UNAVAILABLE;
     }
-    [[nodiscard]] bool headset_gone() const { return result == XR_ERROR_SESSION_LOST; }
+    [[nodiscard]] bool headset_lost() const { return result == XR_ERROR_SESSION_LOST; }
     XrResult result;
 };
 
-/// Throws CallFailed for errors; passes on the kinds of success.
+/// Throws OpenXrError for errors; returns success codes.
 XrResult check(XrResult result, const char* call);
 
-/// A structure of OpenXR of its type, all else zero.
+/// An OpenXR structure with its type set and all other fields zero.
 template <class Structure>
-[[nodiscard]] Structure made(XrStructureType type) {
+[[nodiscard]] Structure make_struct(XrStructureType type) {
     Structure out{};
     out.type = type;
     return out;
 }
 
-/// Owns a handle; destroyed in the reverse order of making.
+/// Owns a handle; destroyed in reverse order of creation.
 template <class Handle, XrResult(XRAPI_PTR* Destroy)(Handle)>
-class Owned {
+class UniqueHandle {
   public:
-    Owned() = default;
-    ~Owned() {
+    UniqueHandle() = default;
+    ~UniqueHandle() {
         if (handle_ != XR_NULL_HANDLE) {
             (void)Destroy(handle_);
         }
     }
-    Owned(const Owned&) = delete;
-    Owned& operator=(const Owned&) = delete;
+    UniqueHandle(const UniqueHandle&) = delete;
+    UniqueHandle& operator=(const UniqueHandle&) = delete;
 
     [[nodiscard]] Handle get() const { return handle_; }
-    /// For a call that makes it.
+    /// Output argument for the creating call.
     [[nodiscard]] Handle* put() { return &handle_; }
 
   private:
@@ -59,7 +59,7 @@ class Owned {
 
 [[nodiscard]] RigidTransform from_xr(const XrPosef& pose);
 [[nodiscard]] XrPosef to_xr(const RigidTransform& pose);
-[[nodiscard]] render::Field from_xr(const XrFovf& fov);
-[[nodiscard]] XrFovf to_xr(const render::Field& field);
+[[nodiscard]] render::FieldOfView from_xr(const XrFovf& fov);
+[[nodiscard]] XrFovf to_xr(const render::FieldOfView& field);
 
 }  // namespace eti::hmd

@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include "client/hud/panel.hpp"
+#include "client/hud/text_box.hpp"
 
 namespace eti::hud {
 namespace {
@@ -22,28 +22,28 @@ namespace {
 constexpr float panel_width = 330.0f, guidance_width = 300.0f;
 constexpr float above_titles = 24.0f;  // of tiles, at their lower edge
 constexpr int least_tile_width = 400,
-              least_tile_height = 230;  // the numbers would hide half of a smaller one
+              least_tile_height = 230;  // the numbers would cover half of a smaller tile
 
-// Letters of 13 pixels are read on a laptop's screen; screens with more pixels are not larger.
+// 13-pixel letters suit a laptop's screen; screens with more pixels are not larger.
 int scale_of(int width, int height) {
     const int shorter = std::min(width, height);
     return shorter < 900 ? 1 : shorter < 1800 ? 2 : 4;
 }
 
-// What was true when the server was last heard must not look as if it were true now.
+// Dims values from a lost server, so that they do not look current.
 void dim(ImDrawList& list, int from, int to) {
     constexpr ImU32 opacity = 90;  // of 255
     for (int i = from; i < to; ++i) {
         ImU32& colour = list.VtxBuffer[i].col;
         if (colour == shade) {
-            continue;  // what is written stays readable before any picture
+            continue;  // text stays readable before the first picture
         }
         const ImU32 alpha = (colour >> IM_COL32_A_SHIFT & 0xffu) * opacity / 255u;
         colour = (colour & ~IM_COL32_A_MASK) | alpha << IM_COL32_A_SHIFT;
     }
 }
 
-Tile shrunk(const Tile& tile, int scale) {
+Tile downscaled(const Tile& tile, int scale) {
     Tile out{tile.title, tile.x / scale, tile.y / scale, tile.width / scale, tile.height / scale, tile.marks};
     for (Mark& mark : out.marks) {
         mark.from /= static_cast<float>(scale);
@@ -71,7 +71,7 @@ Hud::~Hud() {
     ImGui::DestroyContext();
 }
 
-// From now on a pixel is `scale` of the picture's, wide and high.
+// From here on one unit is `scale` pixels of the picture.
 void Hud::begin(int width, int height, int scale) {
     ImGuiIO& io = ImGui::GetIO();
     auto [fonts, is_new] = fonts_.try_emplace(scale);
@@ -109,7 +109,7 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     std::vector<Tile> scaled;
     for (const Tile& tile : tiles) {
-        scaled.push_back(shrunk(tile, scale));
+        scaled.push_back(downscaled(tile, scale));
         place_labels(scaled.back(), *small_);
         draw_tile(list, scaled.back(), tiles.size() > 1);
     }
@@ -128,7 +128,7 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     draw_notice(list, readout, gap);
     const int alarms_begin = list.VtxBuffer.Size;
     draw_alarms(list, readout.alarms, scaled.empty() ? Tile{} : scaled.front(), gap);
-    if (readout.link == Link::lost) {
+    if (readout.link == ServerLink::lost) {
         dim(list, numbers_begin, notice_begin);
         dim(list, alarms_begin, list.VtxBuffer.Size);
     }
@@ -140,13 +140,13 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
 }
 
 void Hud::draw_eyes(std::span<Tile, 2> eyes, int width, int height) {
-    // A lens spreads what a screen of this height would show over a field twice as wide.
+    // A lens spreads this picture over a field twice as wide as a screen of the same height.
     const int scale = height < 1500 ? 1 : 2;
     begin(width, height, scale);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     std::vector<Tile> scaled;
     for (const Tile& eye : eyes) {
-        scaled.push_back(shrunk(eye, scale));
+        scaled.push_back(downscaled(eye, scale));
         place_labels(scaled.back(), *small_);
     }
     if (scaled[0].marks.size() == scaled[1].marks.size()) {
@@ -180,23 +180,23 @@ void Hud::draw_tile(ImDrawList& list, const Tile& tile, bool framed) const {
     list.AddText(at, grey, tile.title.data(), tile.title.data() + tile.title.size());
 }
 
-// At the bottom: what the server or the connection has to say.
+// At the bottom: messages of the server or the connection.
 void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) const {
     std::string text;
     ImU32 colour = white;
     switch (readout.link) {
-        case Link::waiting:
+        case ServerLink::waiting:
             text = "waiting for the server";
             break;
-        case Link::lost:
+        case ServerLink::lost:
             text = "server lost";
             colour = red;
             break;
-        case Link::finished:
+        case ServerLink::finished:
             text = "session finished";
             colour = green;
             break;
-        case Link::running:
+        case ServerLink::running:
             text = readout.warning.empty() ? readout.message : readout.warning;
             colour = readout.warning.empty() ? white : red;
             break;
@@ -204,7 +204,7 @@ void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) const 
     if (text.empty()) {
         return;
     }
-    const bool shout = readout.link != Link::running || !readout.warning.empty();
+    const bool shout = readout.link != ServerLink::running || !readout.warning.empty();
     ImFont* const font = shout ? large_ : small_;
     const float size = shout ? 26.0f : 13.0f, room = width_ - 32.0f;
     const ImVec2 extent = font->CalcTextSizeA(size, FLT_MAX, room, text.c_str());
@@ -215,7 +215,7 @@ void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) const 
     gap.bottom = at.y - 5.0f - edge;
 }
 
-// Above the notice, the first lowest; in the middle of the first view where that has room at the bottom.
+// Above the notice, the first lowest; centred in the first view if there is room at its bottom.
 void Hud::draw_alarms(ImDrawList& list, std::span<const std::string> alarms, const Tile& first,
                       Gap& gap) const {
     constexpr float high = 30.0f;
@@ -232,40 +232,40 @@ void Hud::draw_alarms(ImDrawList& list, std::span<const std::string> alarms, con
     }
 }
 
-// Left edge of what is so wide: in the picture's middle, but beside the numbers where there is room.
+// Left edge of a box of this width: centred in the picture, but beside the numbers if there is room.
 float Hud::beside_numbers(float wide, const Gap& gap) const {
     const float middle = 0.5f * (width_ - wide);
     return gap.left + wide <= gap.right ? std::clamp(middle, gap.left, gap.right - wide) : middle;
 }
 
-// Its lower edge above alarms and notice.
+// Its lower edge is above alarms and notice.
 void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, const Gap& gap) const {
-    std::vector<PanelLine> lines{
+    std::vector<TextLine> lines{
         {.text = verdict.title, .value = {}, .colour = colour_of(verdict.level), .large = true},
         {.text = verdict.reason, .value = {}}};
     for (const auto& [label, value] : verdict.numbers) {
         lines.push_back({.text = label, .value = value, .colour = grey});
     }
     const float wide = std::min(panel_width, width_ - 2.0f * edge);
-    const float high = panel_height({small_, large_}, lines, wide);
-    draw_panel(list, {small_, large_}, lines,
-               ImVec2(beside_numbers(wide, gap), std::max(edge, gap.bottom - high)), wide);
+    const float high = text_box_height({small_, large_}, lines, wide);
+    draw_text_box(list, {small_, large_}, lines,
+                  ImVec2(beside_numbers(wide, gap), std::max(edge, gap.bottom - high)), wide);
 }
 
 // Help in the middle; the scenario and a notice at the top; guidance at the lower left.
 void Hud::draw_keys(ImDrawList& list, const Readout& readout, const Gap& gap) const {
-    const PanelFonts fonts{small_, large_};
+    const TextFonts fonts{small_, large_};
     const float wide = std::min(panel_width, width_ - 2.0f * edge);
-    std::vector<PanelLine> lines;
+    std::vector<TextLine> lines;
     for (const auto& [key, help] : readout.keys) {
         lines.push_back({.text = fmt::format("{:<6} {}", key, help), .value = {}});
     }
     if (!lines.empty()) {
-        const float high = panel_height(fonts, lines, wide);
-        draw_panel(list, fonts, lines,
-                   ImVec2(beside_numbers(wide, gap), std::max(edge, 0.5f * (height_ - high))), wide);
+        const float high = text_box_height(fonts, lines, wide);
+        draw_text_box(list, fonts, lines,
+                      ImVec2(beside_numbers(wide, gap), std::max(edge, 0.5f * (height_ - high))), wide);
     }
-    std::vector<PanelLine> top;
+    std::vector<TextLine> top;
     if (!readout.description.empty()) {
         top.push_back({.text = readout.scenario, .value = {}});
         top.push_back({.text = readout.description, .value = {}, .colour = grey});
@@ -277,20 +277,20 @@ void Hud::draw_keys(ImDrawList& list, const Readout& readout, const Gap& gap) co
         top.push_back({.text = readout.notice, .value = {}, .colour = amber});
     }
     if (!top.empty()) {
-        // Narrower rather than over what stands in the corners.
+        // Narrower, to avoid the boxes in the corners.
         const float room = gap.right - gap.left;
         const float here = room >= 0.6f * panel_width ? std::min(wide, room) : wide;
-        draw_panel(list, fonts, top, ImVec2(beside_numbers(here, gap), gap.top), here);
+        draw_text_box(list, fonts, top, ImVec2(beside_numbers(here, gap), gap.top), here);
     }
-    // At the lower left, where no view has its tools.
-    std::vector<PanelLine> guidance;
+    // At the lower left, where no view shows its tools.
+    std::vector<TextLine> guidance;
     for (const std::string& line : readout.guidance) {
         guidance.push_back({.text = line, .value = {}, .colour = guidance.empty() ? green : white});
     }
     if (!guidance.empty()) {
         const float narrow = std::min(guidance_width, wide);
-        const float high = panel_height(fonts, guidance, narrow);
-        draw_panel(list, fonts, guidance, ImVec2(edge, height_ - high - edge), narrow);
+        const float high = text_box_height(fonts, guidance, narrow);
+        draw_text_box(list, fonts, guidance, ImVec2(edge, height_ - high - edge), narrow);
     }
 }
 

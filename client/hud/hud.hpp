@@ -15,8 +15,8 @@ struct ImFont;
 
 namespace eti::hud {
 
-/// Draws the readout over a finished picture. One at a time, for the OpenGL context current when it
-/// was made (Dear ImGui keeps one global state).
+/// Draws the readout over a finished picture. Only one instance at a time, for the OpenGL context current
+/// at construction (Dear ImGui keeps one global state).
 class Hud {
   public:
     Hud();
@@ -24,17 +24,17 @@ class Hud {
     Hud(const Hud&) = delete;
     Hud& operator=(const Hud&) = delete;
 
-    /// Into the bound framebuffer of `width` x `height` pixels. Letters are twice as large from 900 pixels on
-    /// the shorter side, and four times from 1800.
+    /// Draws into the bound framebuffer of `width` x `height` pixels. Letters double in size from 900
+    /// pixels on the shorter side, and quadruple from 1800.
     void draw(const Readout& readout, std::span<const Tile> tiles, int width, int height);
-    /// Marks alone, over the pictures of two eyes side by side, left first: the same marks in both, whose
-    /// texts stand at the same place beside them, so that each lies as far away as what it names.
+    /// Draws marks only, over a stereo pair side by side, left first: both eyes get the same marks, with
+    /// texts at the same offset, so that each text appears at the depth of its mark.
     void draw_eyes(std::span<Tile, 2> eyes, int width, int height);
 
   private:
-    /// Between what is drawn and the picture's edge [pixels].
+    /// Margin at the picture's edge [pixels].
     static constexpr float edge = 4.0f;
-    /// What is left between what stands in the corners; [pixels] from the upper left.
+    /// Free space between the boxes in the corners; [pixels] from the upper left.
     struct Gap {
         float left, right, top, bottom;
     };
@@ -45,7 +45,7 @@ class Hud {
     void draw_numbers(ImDrawList& list, const Readout& readout, const Tile& tile, Gap& gap) const;
     void draw_strip(ImDrawList& list, const Readout& readout, Gap& gap) const;
     void draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, Gap& gap) const;
-    /// What the session's aids count; below the numbers.
+    /// Counts shown by the session's aids; below the numbers.
     void draw_counts(ImDrawList& list, const Readout& readout, float below) const;
     void draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) const;
     void draw_alarms(ImDrawList& list, std::span<const std::string> alarms, const Tile& first,
@@ -54,11 +54,11 @@ class Hud {
     void draw_keys(ImDrawList& list, const Readout& readout, const Gap& gap) const;
     [[nodiscard]] float beside_numbers(float wide, const Gap& gap) const;
 
-    /// By the scale that letters are made for.
+    /// By font scale.
     std::map<int, std::pair<ImFont*, ImFont*>> fonts_;
     ImFont* small_ = nullptr;
     ImFont* large_ = nullptr;
-    float width_ = 0.0f, height_ = 0.0f;  // of the picture, in pixels of small letters
+    float width_ = 0.0f, height_ = 0.0f;  // of the picture, in pixels of unscaled letters
 };
 
 }  // namespace eti::hud

@@ -9,17 +9,17 @@
 #include <initializer_list>
 #include <ranges>
 
-#include "client/hud/panel.hpp"
+#include "client/hud/text_box.hpp"
 
 namespace eti::hud {
 namespace {
 
 using Eigen::Vector2f;
 
-constexpr float dot_radius = 5.0f, rim = 1.5f;          // [pixels], as are those that follow
-constexpr float beside = 10.0f;                         // a text from what it names
-const Vector2f text_margin(3.0f, 1.0f);                 // around a text
-constexpr ImU32 text_shade = IM_COL32(8, 12, 14, 205);  // red on a tongue is read, too
+constexpr float dot_radius = 5.0f, rim = 1.5f;          // [pixels], as are the following constants
+constexpr float beside = 10.0f;                         // distance of a text from its anchor
+const Vector2f text_margin(3.0f, 1.0f);                 // padding around a text
+constexpr ImU32 text_shade = IM_COL32(8, 12, 14, 205);  // makes red text readable on a tongue
 
 struct Box {
     Vector2f low, high;
@@ -40,7 +40,7 @@ Vector2f size_of(const Mark& mark, const ImFont& font) {
     return {size.x, size.y};
 }
 
-// Of a line the last of its points that lies within.
+// The last point of a line inside the tile.
 std::optional<Vector2f> last_within(const Mark& mark, const Box& tile) {
     constexpr int steps = 64;
     for (int i = steps; i >= 0; --i) {
@@ -95,7 +95,7 @@ void place_labels(Tile& tile, const ImFont& font) {
                 }
             }
         }
-        if (!found) {  // crowded: within the tile at least
+        if (!found) {  // crowded: at least inside the tile
             const Vector2f most = (room.high - size - text_margin).cwiseMax(room.low + text_margin);
             found = Vector2f(mark.text_left ? left : right, level)
                         .cwiseMin(most)
@@ -109,7 +109,7 @@ void place_labels(Tile& tile, const ImFont& font) {
 void draw_marks(ImDrawList& list, const Tile& tile, const ImFont& font) {
     for (const Mark& mark : tile.marks) {
         if (mark.bare) {
-            continue;  // whoever gave it draws what it stands beside
+            continue;  // the caller draws the anchor
         }
         if (is_dot(mark)) {
             list.AddCircleFilled(of(mark.from), dot_radius, colour_of(mark.level));
@@ -120,7 +120,7 @@ void draw_marks(ImDrawList& list, const Tile& tile, const ImFont& font) {
     }
     for (const Mark& mark : tile.marks) {
         if (mark.label) {
-            // Letters are made of whole pixels.
+            // Text is aligned to whole pixels.
             const Vector2f at = (mark.to + *mark.label).array().round();
             list.AddRectFilled(of(at - text_margin), of(at + size_of(mark, font) + text_margin), text_shade,
                                3.0f);

@@ -16,14 +16,14 @@ struct ImFont;
 
 namespace eti::hud {
 
-/// A line, or where both ends are one a dot, with its text beside it; pixels from the picture's upper left.
+/// A line with its text beside it, or a dot if both ends coincide; pixels from the picture's upper left.
 struct Mark {
     Eigen::Vector2f from, to;
     Level level = Level::good;
     std::string text;
-    bool text_left = false;  ///< rather than to the right
-    bool bare = false;       ///< the text alone
-    /// From `to` to the text's upper left; nothing, before place_labels(): it is not shown.
+    bool text_left = false;  ///< text to the left instead of the right
+    bool bare = false;       ///< text only
+    /// Offset from `to` to the text's upper left; set by place_labels(), nullopt: not shown.
     std::optional<Eigen::Vector2f> label{};
 };
 
@@ -31,15 +31,15 @@ struct Mark {
 struct Tile {
     std::string_view title;
     int x = 0, y = 0, width = 0, height = 0;
-    std::vector<Mark> marks{};  ///< what lies outside is cut off
+    std::vector<Mark> marks{};  ///< clipped to the tile
 };
 
-/// Finds a place for each mark's text, within the tile and beside all other texts and dots: those of later
-/// marks first, which stay nearest to what they name. Texts of dots outside the tile are not shown; that of a
-/// line stands at its last point within.
+/// Places each mark's text within the tile so that it overlaps no other text or dot. Later marks are placed
+/// first and stay nearest to their anchor. Texts of dots outside the tile are hidden; a line's text is
+/// placed at its last point inside.
 void place_labels(Tile& tile, const ImFont& font);
 
-/// Draws lines and dots, and above them all texts that have a place.
+/// Draws lines and dots, then all texts that have a place.
 void draw_marks(ImDrawList& list, const Tile& tile, const ImFont& font);
 
 }  // namespace eti::hud

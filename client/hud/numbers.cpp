@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 
-// What the overlay counts: in a corner of the first view, or in a strip where that is small.
+// Counts of the overlay: in a corner of the first view, or in a strip if the view is small.
 #include <imgui.h>
 
 #include <algorithm>
@@ -13,13 +13,13 @@
 #include <fmt/format.h>
 
 #include "client/hud/hud.hpp"
-#include "client/hud/panel.hpp"
+#include "client/hud/text_box.hpp"
 
 namespace eti::hud {
 namespace {
 
 constexpr float counts_width = 176.0f;
-constexpr float gum_force_scale_n = 6.0f;  // full length of its bar
+constexpr float gum_force_scale_n = 6.0f;  // full length of the bar
 
 void bar(ImDrawList& list, ImVec2 at, float width, float share, ImU32 colour) {
     const float filled = width * std::clamp(share, 0.0f, 1.0f);
@@ -45,7 +45,7 @@ std::string tube_text(const Readout& readout) {
                : std::string("tube before cords");
 }
 
-/// What a manikin does not tell is a dash.
+/// A dash for values that a manikin does not measure.
 std::string measured_text(const Readout& readout, std::string known, std::string_view unknown) {
     return readout.airway_measured ? std::move(known) : std::string(unknown);
 }
@@ -102,7 +102,7 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
     draw_counts(list, readout, below);
 }
 
-// The numbers in lines along the upper edge, where they would hide most of a small view.
+// The numbers in rows along the upper edge, for small views.
 void Hud::draw_strip(ImDrawList& list, const Readout& readout, Gap& gap) const {
     std::vector<std::pair<std::string, ImU32>> words{
         {clock_text(readout.time_s), white},
@@ -147,7 +147,7 @@ void Hud::draw_strip(ImDrawList& list, const Readout& readout, Gap& gap) const {
     gap.top = y + line + 2.0f + edge;
 }
 
-// As a monitor has them, at the right.
+// At the right, as on a patient monitor.
 void Hud::draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, Gap& gap) const {
     constexpr float wide = 124.0f, high = 78.0f, label = 12.0f, number = 26.0f;
     const ImVec2 corner(width_ - wide - edge, gap.top);
@@ -165,7 +165,7 @@ void Hud::draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, G
 }
 
 void Hud::draw_counts(ImDrawList& list, const Readout& readout, float below) const {
-    std::vector<PanelLine> lines;
+    std::vector<TextLine> lines;
     if (const auto& clock = readout.clock) {
         lines.push_back({.text = fmt::format("{:.1f}/{:.0f} s", clock->time_s, clock->limit_s),
                          .value = {},
@@ -180,7 +180,7 @@ void Hud::draw_counts(ImDrawList& list, const Readout& readout, float below) con
             {.text = "by the rule", .value = fmt::format("{:.1f} cm", depth->rule_cm), .colour = grey});
     }
     if (!lines.empty()) {
-        draw_panel(list, {small_, large_}, lines, ImVec2(edge, below), counts_width);
+        draw_text_box(list, {small_, large_}, lines, ImVec2(edge, below), counts_width);
     }
 }
 

@@ -15,16 +15,16 @@ namespace {
 
 constexpr double verdict_for_s = 8.0;       // of simulation time
 constexpr double description_for_s = 10.0;  // likewise
-constexpr double note_for_s = 15.0;         // likewise; read twice at three words a second
+constexpr double note_for_s = 15.0;         // likewise; enough to read it twice at three words a second
 
-constexpr double last_seconds = 10.0;  // [s], of an attempt's time
-// Of the depth at the lip from the rule; chosen, the marks on a tube are 0.5 to 1 cm apart.
+constexpr double last_seconds = 10.0;  // [s], end of an attempt's time
+// Deviation of the depth at the lip from the rule; chosen: a tube's marks are 0.5 to 1 cm apart.
 constexpr double depth_warning_cm = 0.5, depth_bad_cm = 1.0;
 
-// What is shown of an attempt at once; eti-review has the rest.
-constexpr std::array shown{&Parameters::time_s, &Parameters::gum_force_max_n,
-                           &Parameters::glottic_opening_max_percent, &Parameters::tube_depth_at_lip_cm,
-                           &Parameters::tube_depth_rule_cm};
+// Values shown at the end of an attempt; eti-review shows all.
+constexpr std::array shown{&AttemptMetrics::time_s, &AttemptMetrics::gum_force_max_n,
+                           &AttemptMetrics::glottic_opening_max_percent,
+                           &AttemptMetrics::tube_depth_at_lip_cm, &AttemptMetrics::tube_depth_rule_cm};
 
 Verdict verdict_of(const view::AttemptReport& report) {
     Verdict verdict;
@@ -36,9 +36,9 @@ Verdict verdict_of(const view::AttemptReport& report) {
                     : outcome.success ? "success"
                                       : "no success");
     verdict.reason = outcome.reason;
-    for (double Parameters::*const one : shown) {
-        const auto field = std::ranges::find(parameter_fields, one, &ParameterField::value);
-        const double value = report.parameters.*one;
+    for (double AttemptMetrics::*const one : shown) {
+        const auto field = std::ranges::find(metric_fields, one, &MetricField::value);
+        const double value = report.metrics.*one;
         verdict.numbers.emplace_back(field->label,
                                      std::isnan(value) ? "-" : fmt::format("{:.1f} {}", value, field->unit));
     }
@@ -46,11 +46,11 @@ Verdict verdict_of(const view::AttemptReport& report) {
 }
 
 std::optional<Verdict> verdict_now(const view::SceneView& scene, const Readout& readout) {
-    if (readout.link == Link::finished && scene.run_report()) {
+    if (readout.link == ServerLink::finished && scene.run_report()) {
         return verdict_of(*scene.run_report());
     }
     const auto& last = scene.attempt_report();
-    if (last && (readout.link == Link::finished ||
+    if (last && (readout.link == ServerLink::finished ||
                  readout.time_s - 1e-9 * static_cast<double>(last->ended_ns) < verdict_for_s)) {
         return verdict_of(*last);
     }
@@ -85,8 +85,8 @@ std::string warning_of(const msg::SessionStatus& status) {
                        status.phase() == msg::PHASE_FROZEN ? ": time stands still" : "");
 }
 
-// What a supervisor would call out.
-std::vector<std::string> alarms_of(const msg::LiveMetrics& metrics, const Parameters& now) {
+// Warnings that a supervisor would call out.
+std::vector<std::string> alarms_of(const msg::LiveMetrics& metrics, const AttemptMetrics& now) {
     std::vector<std::string> alarms;
     if (gum_force_level(metrics.gum_force_n()) == Level::bad) {
         alarms.emplace_back("pressing on the upper gum");
@@ -138,11 +138,11 @@ float blade_depth(const Landmarks& points, const Vec3f& tip) {
     return past.dot(at(points, Landmark::glottis) - gum) > 0.0f ? past.norm() : 0.0f;
 }
 
-Readout readout_of(const view::SceneView& scene, bool server_lost, bool contested) {
+Readout make_readout(const view::SceneView& scene, bool server_lost, bool contested) {
     Readout readout;
     readout.time_s = 1e-9 * static_cast<double>(scene.simulation_time_ns());
     if (const auto& status = scene.status()) {
-        readout.link = status->phase() == msg::PHASE_FINISHED ? Link::finished : Link::running;
+        readout.link = status->phase() == msg::PHASE_FINISHED ? ServerLink::finished : ServerLink::running;
         readout.server_load = status->load();
         readout.behind_s = status->behind_s();
         readout.warning = contested ? "two servers serve this session: end one" : warning_of(*status);
@@ -151,10 +151,10 @@ Readout readout_of(const view::SceneView& scene, bool server_lost, bool conteste
         readout.scenario = description->scenario().to_string();
     }
     if (!scene.complete()) {
-        readout.link = Link::waiting;
+        readout.link = ServerLink::waiting;
     }
-    if (server_lost && readout.link != Link::finished) {
-        readout.link = Link::lost;
+    if (server_lost && readout.link != ServerLink::finished) {
+        readout.link = ServerLink::lost;
     }
     if (const auto& metrics = scene.metrics()) {
         readout.attempt = metrics->attempt();
@@ -166,15 +166,16 @@ Readout readout_of(const view::SceneView& scene, bool server_lost, bool conteste
         readout.message = metrics->message().to_string();
     }
     if (scene.metrics() && scene.keys()) {
-        const Parameters now = scene.keys()->parameters(scene.metrics()->parameters());
+        const AttemptMetrics now = scene.keys()->metrics(scene.metrics()->parameters());
         readout.airway_measured = airway_measured(now);
-        if (scene.shows(&LiveValues::view_clock) && readout.attempt_running && std::isfinite(now.time_s)) {
+        if (scene.shows(&RuntimeParameters::view_clock) && readout.attempt_running &&
+            std::isfinite(now.time_s)) {
             readout.clock = {now.time_s, static_cast<double>(scene.description()->time_limit_s())};
         }
-        if (scene.shows(&LiveValues::view_tube_depth) && !std::isnan(now.tube_depth_at_lip_cm)) {
+        if (scene.shows(&RuntimeParameters::view_tube_depth) && !std::isnan(now.tube_depth_at_lip_cm)) {
             readout.tube_depth = {now.tube_depth_at_lip_cm, now.tube_depth_rule_cm};
         }
-        if (scene.shows(&LiveValues::view_warnings) && readout.airway_measured) {
+        if (scene.shows(&RuntimeParameters::view_warnings) && readout.airway_measured) {
             readout.alarms = alarms_of(*scene.metrics(), now);
         }
         if (!std::isnan(now.oxygen_saturation_end_percent) && !std::isnan(now.heart_rate_end_per_min)) {
@@ -185,7 +186,7 @@ Readout readout_of(const view::SceneView& scene, bool server_lost, bool conteste
         const Vec3f tip = *scene.laryngoscope_pose() * scene.keys()->laryngoscope().tip();
         readout.blade_depth_cm = blade_depth(scene.landmarks(), tip) / centimetre;
     }
-    if (scene.description() && (readout.link == Link::waiting || readout.time_s < description_for_s)) {
+    if (scene.description() && (readout.link == ServerLink::waiting || readout.time_s < description_for_s)) {
         readout.description = scene.description()->description().to_string();
     }
     readout.note = note_now(scene);

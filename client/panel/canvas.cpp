@@ -14,7 +14,8 @@
 namespace eti::panel {
 namespace {
 
-// Of Debian's fonts-dejavu-core; without it Dear ImGui's own letters, which are of one size and coarser.
+// From Debian's fonts-dejavu-core; the fallback is Dear ImGui's own font, which has one size and is
+// coarser.
 constexpr const char* letters = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 void set_style(float em) {
@@ -39,11 +40,11 @@ void set_style(float em) {
 
 }  // namespace
 
-Canvas::Use::Use(const Canvas& canvas) : before_(ImGui::GetCurrentContext()) {
+Canvas::ContextScope::ContextScope(const Canvas& canvas) : before_(ImGui::GetCurrentContext()) {
     ImGui::SetCurrentContext(canvas.context_);
 }
 
-Canvas::Use::~Use() {
+Canvas::ContextScope::~ContextScope() {
     ImGui::SetCurrentContext(before_);
 }
 
@@ -56,7 +57,7 @@ Canvas::Canvas() {
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
     io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
-    // Where no window tells its keys there are none, but Dear ImGui wants to know which they are.
+    // Without a window there is no key map; Dear ImGui still requires one.
     std::iota(std::begin(io.KeyMap), std::end(io.KeyMap), 0);
     const bool drawable = ImGui_ImplOpenGL3_Init("#version 330 core");
     if (!drawable) {
@@ -70,7 +71,7 @@ Canvas::Canvas() {
 
 Canvas::~Canvas() {
     {
-        const Use use(*this);
+        const ContextScope use(*this);
         if (attached_) {
             ImGui_ImplGlfw_Shutdown();
         }
@@ -82,7 +83,7 @@ Canvas::~Canvas() {
 }
 
 void Canvas::attach(GLFWwindow* window) {
-    const Use use(*this);
+    const ContextScope use(*this);
     attached_ = ImGui_ImplGlfw_InitForOpenGL(window, true);
 }
 
@@ -112,7 +113,7 @@ void Canvas::begin(int width, int height, int text_height, float seconds) {
     ImGuiIO& io = ImGui::GetIO();
     if (attached_) {
         ImGui_ImplGlfw_NewFrame();
-        // A window's own units may be larger than pixels.
+        // Window coordinates may be larger than pixels.
         io.MousePos.x *= io.DisplayFramebufferScale.x;
         io.MousePos.y *= io.DisplayFramebufferScale.y;
     } else {

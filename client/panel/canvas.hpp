@@ -7,33 +7,34 @@ struct ImGuiContext;
 
 namespace eti::panel {
 
-/// Dear ImGui's state for one panel, apart from that of the overlay, with an OpenGL renderer and letters of
-/// any size. For the OpenGL context current when it was made.
+/// A Dear ImGui context for one panel, separate from the overlay's, with an OpenGL renderer and fonts of
+/// any size. For the OpenGL context current at construction.
 class Canvas {
   public:
-    /// Throws std::runtime_error where the driver cannot draw it.
+    /// Throws std::runtime_error if the driver cannot support it.
     Canvas();
     ~Canvas();
     Canvas(const Canvas&) = delete;
     Canvas& operator=(const Canvas&) = delete;
 
-    /// While it lives, Dear ImGui's functions mean this canvas; afterwards what they meant before.
-    class Use {
+    /// Makes this canvas the current Dear ImGui context; restores the previous one on destruction.
+    class ContextScope {
       public:
-        explicit Use(const Canvas& canvas);
-        ~Use();
-        Use(const Use&) = delete;
-        Use& operator=(const Use&) = delete;
+        explicit ContextScope(const Canvas& canvas);
+        ~ContextScope();
+        ContextScope(const ContextScope&) = delete;
+        ContextScope& operator=(const ContextScope&) = delete;
 
       private:
         ImGuiContext* before_;
     };
 
-    /// Mouse, keys and clipboard are this window's from now on. What the window did with them it still does.
+    /// Installs mouse, keyboard and clipboard handlers on this window, chaining to its existing ones.
     void attach(GLFWwindow* window);
-    /// Begins a frame of so many pixels with letters so high, of `seconds` since the one before. In use.
+    /// Begins a frame of this size [pixels] and text height, `seconds` after the previous one. Requires a
+    /// ContextScope.
     void begin(int width, int height, int text_height, float seconds);
-    /// Draws the frame into the bound framebuffer. In use.
+    /// Draws the frame into the bound framebuffer. Requires a ContextScope.
     void end();
 
   private:

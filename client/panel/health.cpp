@@ -9,12 +9,12 @@ namespace {
 
 using hud::Level;
 
-// A step of the server is late beyond its budget; near it there is nothing left for bursts.
+// Above its step budget the server falls behind; near it there is no reserve for bursts.
 constexpr float load_warning = 0.85f, load_bad = 1.0f;
 constexpr float behind_warning_s = 0.1f, behind_bad_s = 0.5f;
-// Shapes come 90 or 30 times a second: so many states late, a hand and its picture part.
+// Deformation arrives at 90 or 30 Hz: at these ages picture and hand visibly diverge.
 constexpr double age_warning_ms = 50.0, age_bad_ms = 150.0;
-constexpr double missed_warning = 0.001, missed_bad = 0.01;  // shares
+constexpr double missed_warning = 0.001, missed_bad = 0.01;  // fractions
 constexpr double silence_warning_s = 0.3, silence_bad_s = 1.0;
 
 template <class Number>

@@ -11,13 +11,16 @@
 
 namespace eti::panel {
 
-/// What a client knows of the network, beside what the server says of itself.
+/// A client's view of the network, in addition to the server's own report.
 struct Connection {
-    double state_age_mean_ms = 0.0, state_age_max_ms = 0.0;  ///< of shapes, as the two clocks tell it
-    std::uint64_t states = 0, states_missed = 0;             ///< that came, and that never did
+    double state_age_mean_ms = 0.0, state_age_max_ms = 0.0;  ///< of deformation states, by the two
+                                                             ///< machines' clocks
+    std::uint64_t states = 0, states_missed = 0;             ///< received, and missed
     std::uint32_t sent = 0, accepted = 0, refused = 0;       ///< commands
-    bool contested = false;                                  ///< a second server writes this session's status
-    std::vector<std::string> programs;                       ///< on this session, with machine and process
+    bool contested = false;                                  ///< a second server writes this session's
+                                                             ///< status
+    std::vector<std::string> programs;                       ///< programs in this session, with machine and
+                                                             ///< process
 };
 
 struct HealthLine {
@@ -25,7 +28,7 @@ struct HealthLine {
     hud::Level level = hud::Level::neutral;
 };
 
-/// Devices', server's and network's, one below the other. `silent_s`: since a status came last.
+/// Health of devices, server and network, in that order. `silent_s`: time since the last status.
 [[nodiscard]] std::vector<HealthLine> health_of(const view::SceneView& scene, const Connection& connection,
                                                 double silent_s);
 

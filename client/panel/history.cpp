@@ -17,7 +17,7 @@ constexpr float none = std::numeric_limits<float>::quiet_NaN();
 }  // namespace
 
 float Series::high() const {
-    float out = least_high;
+    float out = min_high;
     for (const Sample& sample : samples) {
         out = std::max(out, sample.value);
     }
@@ -51,10 +51,10 @@ void History::follow(const view::SceneView& scene) {
         return;
     }
     newest_s_ = time_s;
-    // Below the mouth's depth nothing is told: a tube that lies aside is anywhere.
+    // Depths below the mouth are not meaningful: a tube outside may be anywhere.
     constexpr float least_depth_cm = -5.0f;
-    // On a manikin they are not measured, and 0 would look as if they were.
-    const bool measured = !scene.keys() || airway_measured(scene.keys()->parameters(metrics.parameters()));
+    // On a manikin they are not measured; 0 would look like a measurement.
+    const bool measured = !scene.keys() || airway_measured(scene.keys()->metrics(metrics.parameters()));
     const std::array values{
         measured ? metrics.gum_force_n() : none, measured ? metrics.glottic_opening_percent() : none,
         measured ? std::max(least_depth_cm, metrics.tube_depth_past_glottis() / centimetre) : none,

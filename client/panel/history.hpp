@@ -11,14 +11,14 @@
 
 namespace eti::panel {
 
-/// A number over the last minute.
+/// A value over the last minute.
 struct Series {
     struct Sample {
         double time_s;  ///< simulation time
         float value;
     };
     std::string_view label, unit;
-    float least_high;    ///< the scale reaches so far at least
+    float min_high;      ///< minimum upper end of the scale
     bool negative;       ///< the scale reaches below 0
     float warning, bad;  ///< drawn as lines; NaN: none
     std::deque<Sample> samples{};
@@ -27,16 +27,16 @@ struct Series {
     [[nodiscard]] float low() const;
 };
 
-/// What is plotted: gum force, glottic opening, tube depth, load.
+/// The plotted series: gum force, glottic opening, tube depth, load.
 class History {
   public:
     static constexpr double span_s = 60.0;
 
     History();
-    /// Takes a sample of each where the server has measured anew; forgets all where time began anew.
+    /// Samples each series when the server publishes new metrics; clears all when simulation time restarts.
     void follow(const view::SceneView& scene);
     [[nodiscard]] std::span<const Series> series() const { return series_; }
-    /// Of the newest sample [s].
+    /// Time of the newest sample [s].
     [[nodiscard]] double newest_s() const { return newest_s_; }
 
   private:

@@ -17,13 +17,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// As many commands as a server takes of one sender; what is more waits there, or is replaced.
+// Rate that a server accepts from one sender; excess commands wait here, or are replaced.
 constexpr double per_second = 20.0;
-// Of one value: as fast as one sees a slider move, half of what the server takes.
+// Per parameter: fast enough for a moving slider, half of what the server accepts.
 constexpr auto between_commands = 100ms;
-constexpr auto stale_after = 1s;    // ten statuses
-constexpr double patience_s = 2.0;  // beyond what the scene takes to follow
-constexpr float reached = 1e-4f;    // of a row's range: what a float's rounding leaves
+constexpr auto stale_after = 1s;    // ten status periods
+constexpr double patience_s = 2.0;  // in addition to the time the scene takes to follow
+constexpr float reached = 1e-4f;    // of a row's range: float rounding
 
 // In the order of the paper's panel.
 constexpr std::array<std::string_view, 7> of_paper{"tongue_scale",       "tissue_stiffness", "head_elevation",
@@ -55,8 +55,8 @@ std::string_view word_for(msg::SessionPhase phase) {
     return "unknown";
 }
 
-Row row_of(const msg::LiveKey& key) {
-    Row row;
+ParameterRow row_of(const msg::LiveKey& key) {
+    ParameterRow row;
     row.name = key.name().to_string();
     row.label = key.label().to_string();
     row.unit = key.unit().to_string();
@@ -69,12 +69,12 @@ Row row_of(const msg::LiveKey& key) {
     row.rate = key.relative() ? key.rate() : key.rate() / key.per_unit();
     row.on_off = key.on_off();
     row.group = key.on_off()                                 ? Group::aids
-                : place_in_paper(row.name) < of_paper.size() ? Group::paper
-                                                             : Group::more;
+                : place_in_paper(row.name) < of_paper.size() ? Group::published
+                                                             : Group::other;
     return row;
 }
 
-bool usable(const Row& row) {
+bool usable(const ParameterRow& row) {
     return !row.name.empty() && std::isfinite(row.per_unit) && row.per_unit != 0.0f &&
            std::isfinite(row.start) && std::isfinite(row.low) && std::isfinite(row.high) &&
            row.low < row.high;
@@ -82,7 +82,7 @@ bool usable(const Row& row) {
 
 }  // namespace
 
-std::string shown(const Row& row, float typed) {
+std::string format_value(const ParameterRow& row, float typed) {
     if (row.on_off) {
         return typed > 0.5f ? "on" : "off";
     }
@@ -91,7 +91,7 @@ std::string shown(const Row& row, float typed) {
     return fmt::format("{:.{}f}{}{}", typed, digits, row.unit.empty() ? "" : " ", row.unit);
 }
 
-bool matches(const Row& row, std::string_view search) {
+bool matches(const ParameterRow& row, std::string_view search) {
     const std::string words = lower(search), text = lower(row.label + " " + row.name + " " + row.help);
     for (std::size_t at = 0; at < words.size();) {
         const std::size_t begin = words.find_first_not_of(' ', at);
@@ -123,29 +123,29 @@ std::string_view title(Page page) {
 }
 
 Model::Model(Send send, Presets presets)
-    : send_(std::move(send)), presets_(std::move(presets)), allowed_(per_second) {}
+    : send_(std::move(send)), presets_(std::move(presets)), rate_limiter_(per_second) {}
 
 void Model::describe(const msg::SessionDescription& description) {
     rows_.clear();
-    on_wire_.clear();
-    std::vector<Row> described;
+    message_index_.clear();
+    std::vector<ParameterRow> described;
     for (const msg::LiveKey& key : description.live()) {
         described.push_back(row_of(key));
     }
     std::vector<std::size_t> order(described.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t i) {
-        const Row& row = described[i];
-        return std::pair(row.group, row.group == Group::paper ? place_in_paper(row.name) : 0);
+        const ParameterRow& row = described[i];
+        return std::pair(row.group, row.group == Group::published ? place_in_paper(row.name) : 0);
     });
     for (const std::size_t i : order) {
         if (usable(described[i])) {
             rows_.push_back(std::move(described[i]));
-            on_wire_.push_back(i);
+            message_index_.push_back(i);
         }
     }
-    wishes_.assign(rows_.size(), {});
-    waiting_.clear();
+    pending_.assign(rows_.size(), {});
+    queued_commands_.clear();
     refusal_.clear();
     chosen_ = nullptr;
     session_.scenario = description.scenario().to_string();
@@ -161,9 +161,9 @@ void Model::follow(const view::SceneView& scene, const Connection& connection, T
     time_ns_ = scene.simulation_time_ns();
     session_.time_s = 1e-9 * static_cast<double>(time_ns_);
     if (const auto& status = scene.status()) {
-        if (!heard_ || status->header().send_time_ns() != status_ns_) {
+        if (!status_received_ || status->header().send_time_ns() != status_ns_) {
             status_ns_ = status->header().send_time_ns();
-            heard_ = now;
+            status_received_ = now;
         }
         session_.phase = word_for(status->phase());
     }
@@ -178,20 +178,20 @@ void Model::follow(const view::SceneView& scene, const Connection& connection, T
 
 void Model::follow_values(const msg::LiveMetrics& metrics, std::uint64_t time_ns) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-        Row& row = rows_[i];
-        const std::size_t place = on_wire_[i];
+        ParameterRow& row = rows_[i];
+        const std::size_t place = message_index_[i];
         const float now = place < metrics.live().size() ? metrics.live()[place] / row.per_unit
                                                         : std::numeric_limits<float>::quiet_NaN();
         row.now = std::isfinite(now) ? std::optional(now) : std::nullopt;
-        if (row.wanted && !wishes_[i].unsent &&
+        if (row.wanted && !pending_[i].unsent &&
             ((row.now && std::abs(*row.now - *row.wanted) <= reached * (row.high - row.low)) ||
-             time_ns > wishes_[i].until_ns)) {
+             time_ns > pending_[i].until_ns)) {
             row.wanted.reset();
         }
     }
 }
 
-double Model::seconds_to_follow(const Row& row) const {
+double Model::seconds_to_follow(const ParameterRow& row) const {
     if (row.rate <= 0.0f || !row.now || !row.wanted) {
         return 0.0;
     }
@@ -201,85 +201,87 @@ double Model::seconds_to_follow(const Row& row) const {
     return way / static_cast<double>(row.rate);
 }
 
-void Model::hear(std::span<const bus::Refusal> refusals) {
+void Model::note_refusals(std::span<const bus::Refusal> refusals) {
     for (const bus::Refusal& refusal : refusals) {
-        const auto row = std::ranges::find(rows_, refusal.name, &Row::name);
+        const auto row = std::ranges::find(rows_, refusal.name, &ParameterRow::name);
         if (row == rows_.end()) {
             refusal_ = refusal.reason;
             continue;
         }
         row->refusal = refusal.reason;
-        // What was asked for since then may still be taken.
-        if (!wishes_[static_cast<std::size_t>(row - rows_.begin())].unsent) {
+        // A later request may still be accepted.
+        if (!pending_[static_cast<std::size_t>(row - rows_.begin())].unsent) {
             row->wanted.reset();
         }
     }
 }
 
-void Model::ask(std::size_t row, float typed) {
+void Model::request(std::size_t row, float typed) {
     if (!commands() || !std::isfinite(typed)) {
         return;
     }
-    Row& asked = rows_.at(row);
+    ParameterRow& asked = rows_.at(row);
     asked.wanted = asked.on_off ? (typed > 0.5f ? 1.0f : 0.0f) : std::clamp(typed, asked.low, asked.high);
     asked.refusal.clear();
-    wishes_[row].unsent = true;
+    pending_[row].unsent = true;
 }
 
-void Model::ask(const Preset& preset) {
+void Model::request(const Preset& preset) {
     if (!commands()) {
         return;
     }
-    for (const LiveSetting& value : preset.values) {
-        if (const auto row = std::ranges::find(rows_, value.field->name, &Row::name); row != rows_.end()) {
-            ask(static_cast<std::size_t>(row - rows_.begin()), value.value / row->per_unit);
+    for (const RuntimeParameterSetting& value : preset.values) {
+        if (const auto row = std::ranges::find(rows_, value.field->name, &ParameterRow::name);
+            row != rows_.end()) {
+            request(static_cast<std::size_t>(row - rows_.begin()), value.value / row->per_unit);
         }
     }
     chosen_ = &preset;
 }
 
-void Model::ask_start(Group group) {
+void Model::request_initial_values(Group group) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         if (rows_[i].group == group) {
-            ask(i, rows_[i].start);
+            request(i, rows_[i].start);
         }
     }
 }
 
-void Model::ask(std::string_view command) {
+void Model::request(std::string_view command) {
     if (commands()) {
         refusal_.clear();
-        waiting_.emplace_back(command);
+        queued_commands_.emplace_back(command);
     }
 }
 
-void Model::tend(Time now) {
+void Model::update(Time now) {
     bool served = true;
     const auto sent = [&](std::string_view name, float value) {
         served = served && send_(name, value);
         return served;
     };
-    for (const std::string& command : std::exchange(waiting_, {})) {
+    for (const std::string& command : std::exchange(queued_commands_, {})) {
         (void)sent(command, 1.0f);
     }
     for (std::size_t i = 0; i < rows_.size() && served; ++i) {
-        Wish& wish = wishes_[i];
-        Row& row = rows_[i];
-        if (!wish.unsent || (wish.sent && now - *wish.sent < between_commands) || !allowed_.take(now)) {
+        PendingValue& pending = pending_[i];
+        ParameterRow& row = rows_[i];
+        if (!pending.unsent || (pending.sent && now - *pending.sent < between_commands) ||
+            !rate_limiter_.try_acquire(now)) {
             continue;
         }
         if (sent(row.name, *row.wanted * row.per_unit)) {
-            wish.unsent = false;
-            wish.sent = now;
-            wish.until_ns =
+            pending.unsent = false;
+            pending.sent = now;
+            pending.until_ns =
                 time_ns_ + static_cast<std::uint64_t>(1e9 * (seconds_to_follow(row) + patience_s));
         }
     }
     if (!served) {
-        // Nobody takes them: what was wished for is not sent to whoever comes.
+        // No server: requests are dropped, not sent to a later one.
         refusal_ = "no server takes commands";
         for (std::size_t i = 0; i < rows_.size(); ++i) {
-            if (std::exchange(wishes_[i].unsent, false)) {
+            if (std::exchange(pending_[i].unsent, false)) {
                 rows_[i].wanted.reset();
             }
         }
@@ -287,11 +289,11 @@ void Model::tend(Time now) {
 }
 
 double Model::silent_s(Time now) const {
-    return heard_ ? std::chrono::duration<double>(now - *heard_).count() : 0.0;
+    return status_received_ ? std::chrono::duration<double>(now - *status_received_).count() : 0.0;
 }
 
 bool Model::stale(Time now) const {
-    return !heard_ || now - *heard_ > stale_after;
+    return !status_received_ || now - *status_received_ > stale_after;
 }
 
 }  // namespace eti::panel

@@ -15,80 +15,81 @@
 #include "client/panel/history.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/bus/command_sender.hpp"
-#include "common/process/allowance.hpp"
+#include "common/process/rate_limiter.hpp"
 #include "common/scenario/preset.hpp"
 
 namespace eti::panel {
 
 enum class Group : std::uint8_t {
-    paper,  ///< what the panel of Xiao et al. 2020 changed
-    more,
-    aids,  ///< switches of what helps a learner
+    published,  ///< set by the panel of Xiao et al. 2020
+    other,
+    aids,  ///< switches of the learner's aids
 };
 
-/// A value that lives, as the panel shows it; all as typed.
-struct Row {
-    std::string name;  ///< of its command
+/// A runtime parameter as the panel shows it; values in displayed units.
+struct ParameterRow {
+    std::string name;  ///< command name
     std::string label, unit, help;
-    float per_unit = 1.0f;  ///< SI value of one typed unit
+    float per_unit = 1.0f;  ///< SI value of one displayed unit
     float low = 0.0f, high = 1.0f;
-    float start = 0.0f;  ///< as the session began
-    float rate = 0.0f;   ///< per second, by which the scene follows; 0: at once
+    float start = 0.0f;  ///< value at the start of the session
+    float rate = 0.0f;   ///< per second, at which the scene follows; 0: at once
     bool relative = false, on_off = false;
-    Group group = Group::more;
-    std::optional<float> now;     ///< as the server last said
-    std::optional<float> wanted;  ///< asked for here, and neither reached nor refused so far
-    std::string refusal;          ///< why the server refused what was asked for last
+    Group group = Group::other;
+    std::optional<float> now;     ///< as last published by the server
+    std::optional<float> wanted;  ///< requested here, neither reached nor refused so far
+    std::string refusal;          ///< why the server refused the last request
 };
 
-/// A number of this row as people read it, with its unit.
-[[nodiscard]] std::string shown(const Row& row, float typed);
+/// Formats a value of this row with its unit.
+[[nodiscard]] std::string format_value(const ParameterRow& row, float typed);
 
-/// Whether every word of `search` stands in the row's label, name or help, whatever its case.
-[[nodiscard]] bool matches(const Row& row, std::string_view search);
+/// Whether every word of `search` occurs in the row's label, name or help, ignoring case.
+[[nodiscard]] bool matches(const ParameterRow& row, std::string_view search);
 
 enum class Page : std::uint8_t { patient, aids, session, plots, health };
 inline constexpr Page pages[] = {Page::patient, Page::aids, Page::session, Page::plots, Page::health};
 [[nodiscard]] std::string_view title(Page page);
 
-/// What the instructor's panel shows and does, without what draws it. It walks the values that the server
-/// describes: one that this program has never heard of is a slider, too. One thread uses it.
+/// State and actions of the instructor's panel, without its renderer. Built from the server's description,
+/// so that a parameter unknown to this program also becomes a slider. Single-threaded.
 class Model {
   public:
     using Time = std::chrono::steady_clock::time_point;
-    /// Sends a command with its value [SI]; false: no server takes commands.
+    /// Sends a command with its value [SI]; false: no server accepts commands.
     using Send = std::function<bool(std::string_view name, float value)>;
 
-    /// `send`: empty for one who only watches, and sends nothing. `presets`: to choose from.
+    /// `send`: empty for an observer, who sends nothing. `presets`: presets to offer.
     explicit Model(Send send, Presets presets = {});
 
-    /// Takes in what the server says now.
+    /// Takes in the server's current state.
     void follow(const view::SceneView& scene, const Connection& connection, Time now);
-    /// What the server refused since the last call.
-    void hear(std::span<const bus::Refusal> refusals);
-    /// Sends what waits: of one value ten commands a second at most, of all as many as a server takes.
-    void tend(Time now);
+    /// Records the server's refusals since the last call.
+    void note_refusals(std::span<const bus::Refusal> refusals);
+    /// Sends queued commands: at most ten per second and parameter, and in total at most as many as a
+    /// server accepts.
+    void update(Time now);
 
-    /// Nothing happens where commands() is false.
-    void ask(std::size_t row, float typed);
-    void ask(const Preset& preset);
-    /// All of a group back to how the session began.
-    void ask_start(Group group);
+    /// Does nothing if commands() is false.
+    void request(std::size_t row, float typed);
+    void request(const Preset& preset);
+    /// Returns all parameters of a group to their values at the start of the session.
+    void request_initial_values(Group group);
     /// A command without a value: start, stop, reset, next.
-    void ask(std::string_view command);
+    void request(std::string_view command);
 
     [[nodiscard]] bool commands() const { return send_ != nullptr; }
-    /// In the order of display: by group, those of the paper in its order.
-    [[nodiscard]] std::span<const Row> rows() const { return rows_; }
+    /// In display order: by group, the paper's in its order.
+    [[nodiscard]] std::span<const ParameterRow> rows() const { return rows_; }
     [[nodiscard]] const Presets& presets() const { return presets_; }
-    /// The one asked for last, or null.
+    /// The last preset requested, or null.
     [[nodiscard]] const Preset* chosen() const { return chosen_; }
     /// Why a command without a value was refused, or why nothing could be sent; else empty.
     [[nodiscard]] const std::string& refusal() const { return refusal_; }
 
-    /// The server's status has not come for a second: what is shown is old.
+    /// The server's status is more than a second old: the values shown are out of date.
     [[nodiscard]] bool stale(Time now) const;
-    /// Since it came last [s].
+    /// Time since the last status [s].
     [[nodiscard]] double silent_s(Time now) const;
 
     struct Session {
@@ -102,32 +103,33 @@ class Model {
     [[nodiscard]] std::span<const HealthLine> health() const { return health_; }
 
     Page page = Page::patient;
-    std::string search;  ///< on the patient's page
+    std::string search;  ///< on the patient page
 
   private:
-    struct Wish {
+    struct PendingValue {
         bool unsent = false;
         std::optional<Time> sent;
-        std::uint64_t until_ns = 0;  ///< simulation time by which the scene has followed, or never will
+        std::uint64_t until_ns = 0;  ///< simulation time at which the scene has followed, or the wait times
+                                     ///< out
     };
 
     void describe(const msg::SessionDescription& description);
     void follow_values(const msg::LiveMetrics& metrics, std::uint64_t time_ns);
-    [[nodiscard]] double seconds_to_follow(const Row& row) const;
+    [[nodiscard]] double seconds_to_follow(const ParameterRow& row) const;
 
     Send send_;
     Presets presets_;
     const Preset* chosen_ = nullptr;
-    std::vector<Row> rows_;
-    std::vector<Wish> wishes_;          // of each row
-    std::vector<std::size_t> on_wire_;  // of each row, its place in the server's messages
-    std::vector<std::string> waiting_;  // commands without a value
+    std::vector<ParameterRow> rows_;
+    std::vector<PendingValue> pending_;         // by row
+    std::vector<std::size_t> message_index_;    // by row: index in the server's messages
+    std::vector<std::string> queued_commands_;  // commands without a value
     std::string refusal_;
-    Allowance allowed_;
-    std::uint64_t described_ns_ = 0;  // when the server wrote the description that rows_ are of
+    RateLimiter rate_limiter_;
+    std::uint64_t described_ns_ = 0;  // server time of the description of rows_
     std::uint64_t time_ns_ = 0;
-    std::uint64_t status_ns_ = 0;  // when the server wrote the newest status
-    std::optional<Time> heard_;    // and when that came
+    std::uint64_t status_ns_ = 0;          // server time of the newest status
+    std::optional<Time> status_received_;  // when it was received
     Session session_;
     History history_;
     std::vector<HealthLine> health_;

@@ -9,21 +9,21 @@
 
 #include <fmt/format.h>
 
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
 
 namespace eti::render {
 
 void write_png(const Image& image, const std::filesystem::path& file) {
-    // OpenCV's Mat wants a mutable pointer, but only reads here.
+    // OpenCV's Mat requires a mutable pointer, but only reads here.
     const cv::Mat rgba(image.height, image.width, CV_8UC4, const_cast<std::uint8_t*>(image.rgba.data()));
     cv::Mat bgr;
     cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
     std::vector<std::uint8_t> encoded;
-    // Level 1: a fifth larger than the default and several times faster.
+    // Level 1: a fifth larger than the default, several times faster.
     if (!cv::imencode(".png", bgr, encoded, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
         throw std::runtime_error(fmt::format("{}: the picture could not be encoded as PNG", file.string()));
     }
-    if (const std::string why = write_whole(file, bytes_of(std::span<const std::uint8_t>(encoded)));
+    if (const std::string why = write_file_atomically(file, bytes_of(std::span<const std::uint8_t>(encoded)));
         !why.empty()) {
         throw std::runtime_error(
             fmt::format("{}: the picture could not be written: {}. Check that the folder exists, "

@@ -8,7 +8,7 @@
 
 namespace eti::render {
 
-/// An sRGB picture, top row first, four bytes (red, green, blue, opacity) a pixel.
+/// An sRGB picture, top row first, four bytes (red, green, blue, opacity) per pixel.
 struct Image {
     int width = 0;
     int height = 0;
@@ -23,7 +23,8 @@ struct Image {
 /// Writes an opaque PNG. Throws std::runtime_error naming the file and the remedy.
 void write_png(const Image& image, const std::filesystem::path& file);
 
-/// Reads what write_png() wrote. Throws std::runtime_error naming the file where it is missing or no picture.
+/// Reads a PNG written by write_png(). Throws std::runtime_error naming the file if it is missing or
+/// invalid.
 [[nodiscard]] Image read_png(const std::filesystem::path& file);
 
 }  // namespace eti::render

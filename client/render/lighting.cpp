@@ -27,14 +27,14 @@ void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
 void Lighting::apply_mouth(ShaderProgram& program, const Landmarks& now) {
     const Vec3f upper = at(now, Landmark::upper_gum), lower = at(now, Landmark::lower_gum);
     const Vec3f middle = 0.5f * (upper + lower);
-    constexpr float least = 0.5e-3f;  // [m], of a mouth that is closed
+    constexpr float least = 0.5e-3f;  // [m], of a closed mouth
     const float half = std::max(0.5f * (upper - lower).norm(), least);
     program.set("mouth", Eigen::Vector4f(middle.x(), middle.y(), middle.z(), half));
     program.set("inward", Vec3f((at(now, Landmark::glottis) - middle).normalized()));
 }
 
 bool Light::reaches(const Vec3f& centre, float radius) const {
-    // A step of eight bits near black, of the brightest reflection that tissue has.
+    // One 8-bit step near black, for the brightest reflection of tissue.
     constexpr float unseen = 0.002f;
     const float brightness = colour.maxCoeff();
     const float farthest = reach * std::sqrt(std::max(brightness / unseen - 1.0f, 0.0f));
@@ -45,7 +45,7 @@ bool Light::reaches(const Vec3f& centre, float radius) const {
     if (cos_outer <= -1.0f) {
         return true;
     }
-    // From the cone's mantle, outwards; behind its tip less than the distance.
+    // Distance outside the cone's mantle; behind its tip this underestimates the distance.
     const float along = way.dot(direction);
     const float aside = (way - along * direction).norm();
     const float sin_outer = std::sqrt(std::max(1.0f - cos_outer * cos_outer, 0.0f));
@@ -61,7 +61,7 @@ Light blade_lamp(const RigidTransform& pose, float blade_length) {
     Light lamp;
     lamp.position = pose * (bulb_centre(blade_length) + Vec3f(-0.6e-3f, -1.6e-3f, 2.0e-3f));
     lamp.direction = pose.rotation * Vec3f(0.0f, -0.34f, 0.94f);
-    // As bright as a well-lit room at some 15 mm. Nearer than 4 mm the filament's size tells.
+    // As bright as a well-lit room at about 15 mm. Below 4 mm the filament's size matters.
     lamp.colour = 14.0f * Vec3f(1.0f, 0.95f, 0.86f);
     lamp.cos_outer = 0.15f;
     lamp.cos_inner = 0.80f;
@@ -92,7 +92,7 @@ Lighting overview_lighting(const Camera& camera, const std::optional<Light>& lam
     return room_lighting(camera.target, lamp);
 }
 
-Lighting worn_lighting(const Camera&, const std::optional<Light>& lamp) {
+Lighting headset_lighting(const Camera&, const std::optional<Light>& lamp) {
     return room_lighting(Vec3f::Zero(), lamp);
 }
 
@@ -111,7 +111,7 @@ Lighting section_lighting(const Camera& camera, const std::optional<Light>&) {
 
 Lighting laryngoscope_lighting(const Camera& camera, const std::optional<Light>& lamp) {
     Lighting lighting;
-    // What the room gives along the line of sight, and without a blade a head lamp.
+    // The room's light along the line of sight; without a blade, a head lamp.
     Light& eye = lighting.lights[0];
     eye.position = camera.eye - 0.01f * camera.up;
     eye.direction = (camera.target - eye.position).normalized();

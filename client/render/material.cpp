@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/view/sky_visibility.hpp"
+#include "client/view/sight/sky_visibility.hpp"
 #include "common/math/random.hpp"
 #include "common/math/smoothstep.hpp"
 
@@ -17,8 +17,8 @@ const Vec3f cord_colour(0.97f, 0.93f, 0.89f);
 const Vec3f lip_colour(0.82f, 0.50f, 0.47f);
 constexpr float skin_wetness = 0.10f;
 
-// Skin sees at least this share of the sky; the closed mouth's lining almost none. Between the two
-// lie the lips.
+// Skin sees at least this fraction of the sky, the lining of a closed mouth almost none. The lips lie
+// between.
 constexpr float lining_sky = 0.10f;
 constexpr float skin_sky = 0.30f;
 
@@ -44,8 +44,8 @@ std::uint8_t byte_of(float share) {
     return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
 }
 
-// What organs that are surfaces of their own see of the sky through an open mouth: they lie in a body that is
-// another surface.
+// Sky visibility through an open mouth of organs with their own surface, which lie inside the body's
+// surface.
 float organ_sky(Tissue tissue) {
     return tissue == Tissue::tongue ? 0.50f : 0.08f;
 }
@@ -82,7 +82,7 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, 
         for (const Triangle& t : triangles) {
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const std::uint32_t from = t[corner], to = t[(corner + 1) % 3];
-                // A closed surface meets every edge twice, once in each direction.
+                // A closed surface contains every edge twice, once per direction.
                 sum[from] += value[to];
                 count[from] += 1.0f;
             }
@@ -93,8 +93,8 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, 
     }
 }
 
-// How much a point of the face belongs to the lips' red: 1 within 2 mm of a lip's edge, which runs to
-// either side over a half mouth of 16 mm and falls back by 8 mm there.
+// Share of the vermilion at a point of the face: 1 within 2 mm of a lip's edge, which extends 16 mm, half
+// the mouth's width, to either side and recedes by 8 mm there.
 float vermilion(const Vec3f& p, const Landmarks& rest) {
     constexpr float half_width = 0.016f, setback = 0.008f;
     const float side = p.x() / half_width;
@@ -160,7 +160,7 @@ Vec3f cut_colour(Tissue tissue) {
     }
 }
 
-SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest) {
+SurfaceAppearance surface_appearance(const view::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
     std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
@@ -172,7 +172,7 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
             corners[v] += 1.0f;
-            // Along a border the special one has the vertex.
+            // At a border the vertex belongs to the specific tissue.
             label[v] = label[v] == Tissue::soft ? tissue : label[v];
         }
     }
@@ -199,14 +199,13 @@ SurfaceLook surface_look(const view::RestSurface& surface, const Landmarks& rest
             w += skin * (skin_wetness - w) + 0.3f * lip;
             mucosa -= skin;
         }
-        // Blotches of some 4 mm and of 1.5 mm; blood shows more in red's complement.
+        // Blotches of about 4 mm and 1.5 mm; blood absorbs mainly red's complement.
         const float blotch = 0.6f * noise(p * 250.0f) + 0.4f * noise(p * 700.0f) - 0.5f;
         c = c.cwiseProduct(Vec3f(1.0f + 0.06f * blotch, 1.0f + 0.16f * blotch, 1.0f + 0.15f * blotch));
         for (int k = 0; k < 3; ++k) {
             result[v][static_cast<std::size_t>(k)] = byte_of(c[k]);
         }
         result[v][3] = byte_of(w);
-        // Beyond the lips the sky that a closed mouth's skin sees is open.
         relief[v] = {byte_of(sky[v]), byte_of(mucosa), tissue_label(label[v]), 0};
     }
     return {std::move(result), std::move(relief)};

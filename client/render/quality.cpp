@@ -6,12 +6,12 @@
 #include <array>
 #include <string>
 
-#include "client/render/headless_context.hpp"
+#include "client/render/gl/headless_context.hpp"
 
 namespace eti::render {
 namespace {
 
-constexpr std::array ladder{
+constexpr std::array quality_table{
     Quality{.name = "low",
             .help = "one sample a pixel, shadows of 512 texels, hard but before the lens, no fine relief, "
                     "outlines as coarse as the surfaces, a tube that does not bend light",
@@ -51,19 +51,19 @@ constexpr std::array ladder{
 }  // namespace
 
 std::span<const Quality> qualities() {
-    return ladder;
+    return quality_table;
 }
 
 const Quality* quality_named(std::string_view name) {
-    const auto found = std::ranges::find(ladder, name, &Quality::name);
-    return found == ladder.end() ? nullptr : &*found;
+    const auto found = std::ranges::find(quality_table, name, &Quality::name);
+    return found == quality_table.end() ? nullptr : &*found;
 }
 
 const Quality& affordable_quality() {
     const std::string driver = driver_name();
     const bool software =
         driver.find("llvmpipe") != std::string::npos || driver.find("softpipe") != std::string::npos;
-    return software ? ladder.front() : ladder.back();
+    return software ? quality_table.front() : quality_table.back();
 }
 
 }  // namespace eti::render

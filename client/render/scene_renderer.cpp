@@ -8,7 +8,7 @@
 namespace eti::render {
 namespace {
 
-// The i-th of `count` parts of an area that stand side by side.
+// The i-th of `count` side-by-side parts of an area.
 Viewport part_of(const Viewport& area, int i, int count) {
     const int left = area.width * i / count, right = area.width * (i + 1) / count;
     return {area.x + left, area.y, right - left, area.height};
@@ -16,7 +16,7 @@ Viewport part_of(const Viewport& area, int i, int count) {
 
 // Breath fogs a cold lens; the lamp warms it.
 ToneMapping tone_of(const View& view, const view::SceneView& scene, const Vantage& from) {
-    constexpr double warming = 20.0;  // [s], until all but a third has cleared
+    constexpr double warming = 20.0;  // [s], time constant of clearing
     ToneMapping tone = view.tone;
     if (view.lens) {
         const double seconds = 1e-9 * static_cast<double>(scene.simulation_time_ns());
@@ -33,9 +33,9 @@ std::optional<Light> lamp_of(const view::SceneView& scene) {
     return std::nullopt;
 }
 
-// Every pass finds this and leaves it so.
-void begin(const Drawing& drawing) {
-    const Viewport& area = drawing.viewport;
+// GL state on entry to every pass, which each pass restores.
+void begin(const DrawContext& context) {
+    const Viewport& area = context.viewport;
     glViewport(area.x, area.y, area.width, area.height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(area.x, area.y, area.width, area.height);
@@ -43,7 +43,7 @@ void begin(const Drawing& drawing) {
     glDepthFunc(GL_LESS);
     glEnable(GL_CULL_FACE);
     glDisable(GL_BLEND);
-    const Vec3f background = drawing.ids() ? Vec3f(Vec3f::Zero()) : drawing.view.background;
+    const Vec3f background = context.ids() ? Vec3f(Vec3f::Zero()) : context.view.background;
     glClearColor(background.x(), background.y(), background.z(), 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
 }
@@ -58,17 +58,17 @@ std::array<std::uint8_t, 3> back_colour(Tissue tissue) {
     return {object_colour(tissue)[0], 0, 128};
 }
 
-void place(ShaderProgram& program, const Drawing& drawing, const Eigen::Matrix4f& model,
+void place(ShaderProgram& program, const DrawContext& context, const Eigen::Matrix4f& model,
            const Eigen::Vector4f& clip_plane) {
     program.set("model", model);
-    program.set("view_projection", drawing.view_projection);
+    program.set("view_projection", context.view_projection);
     program.set("clip_plane", clip_plane);
 }
 
 SceneRenderer::SceneRenderer(const Quality& quality) : quality_(quality), shadows_(quality) {}
 
 void SceneRenderer::sync(const view::SceneView& scene, Baking baking) {
-    loss_.refuse();
+    loss_.throw_if_lost();
     meshes_.sync(scene, baking);
     if (liquid_.revision != scene.liquid_revision()) {
         liquid_.upload(scene.liquid(), scene.liquid_spacing(), scene.liquid_detail(), scene.liquid_kind());
@@ -88,65 +88,65 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         const Viewport part = part_of(area, static_cast<int>(i), static_cast<int>(cameras.size()));
         const Camera& camera = cameras[i];
-        const Drawing drawing{view,
-                              scene,
-                              from,
-                              quality_,
-                              camera,
-                              view.lighting(camera, lamp),
-                              camera.projection(part.aspect()) * camera.view(),
-                              view.cut ? cut.kept() : no_clipping,
-                              cut,
-                              lip_retraction(from.eye.position(scene.landmarks()), scene.landmarks()),
-                              part,
-                              shading};
-        if (meshes_.ready() && !drawing.ids()) {
-            shadows_.draw(drawing, meshes_);
+        const DrawContext context{view,
+                                  scene,
+                                  from,
+                                  quality_,
+                                  camera,
+                                  view.lighting(camera, lamp),
+                                  camera.projection(part.aspect()) * camera.view(),
+                                  view.cut ? cut.kept() : no_clipping,
+                                  cut,
+                                  lip_retraction(from.eye.position(scene.landmarks()), scene.landmarks()),
+                                  part,
+                                  shading};
+        if (meshes_.ready() && !context.ids()) {
+            shadows_.draw(context, meshes_);
         }
         target.bind_scene();
-        begin(drawing);
+        begin(context);
         if (meshes_.ready()) {
             for (const Pass pass : view.passes) {
-                run(pass, drawing);
+                run(pass, context);
             }
         }
         glDisable(GL_SCISSOR_TEST);
         glBindVertexArray(0);
         target.resolve(part);
-        drawing.ids() ? tone_.copy(target, part) : tone_.draw(target, part, tone, view.background);
+        context.ids() ? tone_.copy(target, part) : tone_.draw(target, part, tone, view.background);
     }
 }
 
-void SceneRenderer::run(Pass pass, const Drawing& drawing) {
+void SceneRenderer::run(Pass pass, const DrawContext& context) {
     switch (pass) {
         case Pass::room_shadow:
         case Pass::lamp_shadow:
-            break;  // into maps of their own, before
+            break;  // drawn before, into maps of their own
         case Pass::caps:
-            caps_.draw(drawing, meshes_);
+            caps_.draw(context, meshes_);
             break;
         case Pass::patient:
-            patient_.draw(drawing, meshes_, shadows_);
+            patient_.draw(context, meshes_, shadows_);
             break;
         case Pass::table:
-            tools_.draw_table(drawing, meshes_, shadows_);
+            tools_.draw_table(context, meshes_, shadows_);
             break;
         case Pass::tools:
-            tools_.draw(drawing, meshes_, shadows_);
+            tools_.draw(context, meshes_, shadows_);
             break;
         case Pass::liquid:
-            if (!drawing.ids()) {
-                liquid_.draw(drawing, shadows_);
+            if (!context.ids()) {
+                liquid_.draw(context, shadows_);
             }
             break;
         case Pass::glottis:
-            glottis_.draw(drawing);
+            glottis_.draw(context);
             break;
         case Pass::annotations:
-            annotations_.draw(drawing);
+            annotations_.draw(context);
             break;
         case Pass::hidden_tools:
-            tools_.draw_hidden(drawing, meshes_, shadows_);
+            tools_.draw_hidden(context, meshes_, shadows_);
             break;
     }
 }

@@ -2,34 +2,34 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "client/render/annotation_pass.hpp"
-#include "client/render/caps_pass.hpp"
-#include "client/render/context_loss.hpp"
-#include "client/render/drawing.hpp"
-#include "client/render/glottis_pass.hpp"
-#include "client/render/liquid_surface.hpp"
-#include "client/render/patient_pass.hpp"
-#include "client/render/render_target.hpp"
-#include "client/render/scene_meshes.hpp"
-#include "client/render/shadow_pass.hpp"
-#include "client/render/tone_pass.hpp"
-#include "client/render/tools_pass.hpp"
-#include "client/render/wet_film.hpp"
+#include "client/render/draw_context.hpp"
+#include "client/render/gl/context_loss.hpp"
+#include "client/render/gl/render_target.hpp"
+#include "client/render/mesh/scene_meshes.hpp"
+#include "client/render/passes/annotation_pass.hpp"
+#include "client/render/passes/caps_pass.hpp"
+#include "client/render/passes/glottis_pass.hpp"
+#include "client/render/passes/liquid_surface.hpp"
+#include "client/render/passes/patient_pass.hpp"
+#include "client/render/passes/shadow_pass.hpp"
+#include "client/render/passes/tone_pass.hpp"
+#include "client/render/passes/tools_pass.hpp"
+#include "client/render/passes/wet_film.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
 
-/// Draws a SceneView. The context under which it was made must be current.
+/// Draws a SceneView. The context current at construction must be current in every call.
 class SceneRenderer {
   public:
     explicit SceneRenderer(const Quality& quality = affordable_quality());
 
-    /// Takes over the scene's newest state; call SceneView::update() before. Throws std::runtime_error when
-    /// the context is lost.
+    /// Uploads the scene's latest state; call SceneView::update() first. Throws std::runtime_error when the
+    /// context is lost.
     void sync(const view::SceneView& scene, Baking baking = Baking::wait);
 
-    /// Draws one view into an area of the target's picture: the passes of its row, once for each of its
-    /// cameras, and what makes a picture of their light.
+    /// Draws one view into an area of the target's picture: the passes of its row, once per camera, then
+    /// tone mapping.
     void draw(const View& view, const view::SceneView& scene, const RenderTarget& target,
               const Viewport& area, const Vantage& from = {}, Shading shading = Shading::lit);
 
@@ -37,10 +37,10 @@ class SceneRenderer {
     [[nodiscard]] const WetFilm& film() const { return film_; }
 
   private:
-    void run(Pass pass, const Drawing& drawing);
+    void run(Pass pass, const DrawContext& context);
 
     const Quality& quality_;
-    ContextLoss loss_;
+    ContextLossMonitor loss_;
     SceneMeshes meshes_;
     ShadowPass shadows_;
     CapsPass caps_;

@@ -19,7 +19,7 @@ struct Video::Writer {
 
 Video::Video(const std::filesystem::path& file, double frames_per_second, int width, int height)
     : writer_(std::make_unique<Writer>()), file_(file) {
-    // FFmpeg by name: the next best writer in OpenCV's list would name its files by a frame number.
+    // FFmpeg explicitly: OpenCV's fallback writer would put a frame number into the file names.
     writer_->size = cv::Size(width, height);
     const bool opened =
         writer_->file.open(file.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'),

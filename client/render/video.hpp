@@ -10,8 +10,8 @@
 
 namespace eti::render {
 
-/// An MPEG-4 video (mp4v) of pictures of one size at an even rate. The file can be played once
-/// finish() or the destructor has run.
+/// An MPEG-4 video (mp4v) of equally sized pictures at a constant rate. The file is playable after finish()
+/// or destruction.
 class Video {
   public:
     /// Throws std::runtime_error naming the file and the remedy.

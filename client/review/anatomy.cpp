@@ -13,7 +13,7 @@
 #include "common/hdf5/file.hpp"
 #include "common/mesh/point_grid.hpp"
 #include "common/mesh/simplify.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti::review {
 
@@ -22,13 +22,13 @@ namespace {
 using nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little);
 
-/// Triangles that a page needs of each surface: the body shows mouth and airway inside.
+/// Triangle budget per surface; the body's includes mouth and airway.
 constexpr std::size_t body_triangles = 16000, tongue_triangles = 4000, other_triangles = 2500;
-/// Postures of the anatomy at most; longer sessions have them farther apart than recorded.
-constexpr std::size_t most_postures = 600;
-/// Of the tools' poses.
-constexpr std::size_t most_poses = 1800;
-constexpr float centre_quantum = frame_shift_quantum;  ///< [m], as fine as recorded
+/// Maximum number of postures; longer sessions are sampled more coarsely than recorded.
+constexpr std::size_t max_postures = 600;
+/// Maximum number of tool poses.
+constexpr std::size_t max_poses = 1800;
+constexpr float centre_quantum = frame_shift_quantum;  ///< [m], the resolution of the recording
 constexpr float rotation_quantum = 1.0f / 32767.0f;
 
 std::string base64(std::span<const unsigned char> bytes) {
@@ -52,7 +52,7 @@ std::string packed(const std::vector<T>& values) {
     return base64({reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)});
 }
 
-/// Deflated by zlib; the low bytes first, then the high ones, which hardly change.
+/// Deflated with zlib; low bytes first, then the high ones, which hardly change.
 std::string deflated(const std::vector<std::int16_t>& values) {
     std::vector<unsigned char> planes(2 * values.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -72,7 +72,7 @@ void append(std::vector<float>& out, const Vec3f& v) {
     out.insert(out.end(), {v.x(), v.y(), v.z()});
 }
 
-/// The vertex of a surface that lies next to a point.
+/// The vertex nearest to a point.
 std::size_t nearest(const PointGrid& grid, const Vec3f& point, float cell) {
     for (float radius = cell;; radius *= 2.0f) {
         std::size_t best = 0;
@@ -89,7 +89,7 @@ std::size_t nearest(const PointGrid& grid, const Vec3f& point, float cell) {
     }
 }
 
-/// [m]; about as far apart as vertices are, but so that a surface of any size has a bounded number of cells.
+/// [m]; about the vertex spacing, with a bounded number of cells for a surface of any size.
 float cell_of(const std::vector<Vec3f>& vertices) {
     constexpr float usual = 2e-3f, most_along_an_axis = 150.0f;
     Vec3f low = Vec3f::Constant(INFINITY), high = -low;
@@ -100,7 +100,7 @@ float cell_of(const std::vector<Vec3f>& vertices) {
     return vertices.empty() ? usual : std::max(usual, (high - low).maxCoeff() / most_along_an_axis);
 }
 
-/// Simplified; each vertex is carried as the nearest one of the surface is, and has its tissue.
+/// Simplified; each vertex takes skinning and tissue from the nearest vertex of the surface.
 ordered_json surface_json(const Surface& surface) {
     const std::size_t budget = surface.name == "body"     ? body_triangles
                                : surface.name == "tongue" ? tongue_triangles
@@ -144,12 +144,12 @@ std::int16_t quantised(float value, float quantum) {
         std::isfinite(value) ? std::clamp(std::round(value / quantum), -32767.0f, 32767.0f) : 0.0f);
 }
 
-/// Each frame's centre relative to its rest, and its rotation x y z w; each posture as its difference to the
-/// one before.
+/// Each frame's displacement from rest and its rotation x y z w; each posture as the difference to the
+/// previous one.
 ordered_json postures_json(const session::SessionReader& reader, const std::vector<Vec3f>& rest) {
     constexpr std::size_t numbers = 7;
     const std::vector<session::DeformationRecord> records = reader.deformations();
-    const std::size_t stride = std::max<std::size_t>(1, (records.size() + most_postures - 1) / most_postures);
+    const std::size_t stride = std::max<std::size_t>(1, (records.size() + max_postures - 1) / max_postures);
     std::vector<std::int16_t> now(numbers * rest.size(), 0), shown(now.size(), 0), differences;
     for (std::size_t frame = 0; frame < rest.size(); ++frame) {
         now[numbers * frame + 6] = 32767;
@@ -164,7 +164,7 @@ ordered_json postures_json(const session::SessionReader& reader, const std::vect
             const FramePose& pose = records[i].pose[k];
             const Vec3f shift = pose.centre - rest[frame];
             const Quatf& q = pose.rotation;
-            // The nearer of the two quaternions of a rotation, so that differences stay small.
+            // The nearer of a rotation's two quaternions, to keep differences small.
             const float sign = q.w() < 0 ? -1.0f : 1.0f;
             std::int16_t* const out = &now[numbers * frame];
             for (int axis = 0; axis < 3; ++axis) {
@@ -188,10 +188,10 @@ ordered_json postures_json(const session::SessionReader& reader, const std::vect
             {"differences", deflated(differences)}};
 }
 
-/// The laryngoscope's pose (x y z, quaternion x y z w) and the tube's centre line, where all is finite.
+/// The laryngoscope's pose (x y z, quaternion x y z w) and the tube's centre line, where finite.
 ordered_json tools_json(const session::SessionReader& reader, const session::SceneRecord& scene) {
     const std::vector<session::StepRecord> steps = reader.steps();
-    const std::size_t stride = std::max<std::size_t>(6, (steps.size() + most_poses - 1) / most_poses);
+    const std::size_t stride = std::max<std::size_t>(6, (steps.size() + max_poses - 1) / max_poses);
     std::vector<double> time;
     std::vector<float> laryngoscope, tube;
     for (std::size_t i = 0; i < steps.size(); i += stride) {

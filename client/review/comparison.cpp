@@ -22,7 +22,7 @@ std::vector<double> values_of(const StudyGroup& group, const Measure& measure) {
     return values;
 }
 
-/// Sessions by participant. Throws where one occurs twice.
+/// Sessions by participant. Throws on duplicates.
 std::map<std::string, const StudySession*> by_participant(const StudyGroup& group) {
     std::map<std::string, const StudySession*> sessions;
     for (const StudySession& session : group.sessions) {
@@ -37,7 +37,7 @@ std::map<std::string, const StudySession*> by_participant(const StudyGroup& grou
     return sessions;
 }
 
-/// Sessions that belong together, in the order of the groups.
+/// Paired sessions, in the order of the groups.
 using Pairs = std::vector<std::vector<const StudySession*>>;
 
 Pairs pair_up(Comparison& comparison) {
@@ -122,7 +122,7 @@ Contrast contrast(const Comparison& comparison, const Pairs& pairs, const Measur
     return out;
 }
 
-/// The paper's measures are one family of tests between two groups, the others another.
+/// Between two groups the paper's measures form one family of tests, the others another.
 void adjust(std::vector<MeasureRow>& rows) {
     const std::size_t contrasts = rows.empty() ? 0 : rows.front().contrasts.size();
     for (std::size_t c = 0; c < contrasts; ++c) {
@@ -135,7 +135,7 @@ void adjust(std::vector<MeasureRow>& rows) {
                     into.push_back(&row.contrasts[c].p_adjusted);
                 }
             }
-            const std::vector<double> adjusted = holm(p);
+            const std::vector<double> adjusted = holm_adjusted(p);
             for (std::size_t i = 0; i < into.size(); ++i) {
                 *into[i] = adjusted[i];
             }
@@ -147,7 +147,7 @@ void adjust(std::vector<MeasureRow>& rows) {
 
 double Measure::of(const StudySession& session) const {
     if (value != nullptr) {
-        return session.parameters.*value;
+        return session.metrics.*value;
     }
     return !session.outcome.known ? no_value : session.outcome.success ? 100.0 : 0.0;
 }
@@ -155,7 +155,7 @@ double Measure::of(const StudySession& session) const {
 const std::vector<Measure>& measures() {
     static const std::vector<Measure> all = [] {
         std::vector<Measure> list;
-        for (const ParameterField& field : parameter_fields) {
+        for (const MetricField& field : metric_fields) {
             list.push_back({field.key, field.label, field.unit, field.in_paper, field.value});
         }
         const auto beyond = std::ranges::find(list, false, &Measure::in_paper);
@@ -193,7 +193,7 @@ Comparison read_groups(const GroupFiles& files,
             const auto participant = summary.info.more.find("participant");
             group.sessions.push_back({path, summary.info,
                                       participant == summary.info.more.end() ? "" : participant->second,
-                                      summary.run.parameters, summary.run.outcome});
+                                      summary.run.metrics, summary.run.outcome});
         }
         if (group.sessions.empty()) {
             throw ComparisonError(
@@ -222,7 +222,7 @@ void compare(Comparison& comparison) {
         std::size_t found = 0;
         for (const StudyGroup& group : comparison.groups) {
             const std::vector<double> values = values_of(group, measure);
-            row.groups.push_back({values.size(), mean_of(values), deviation_of(values)});
+            row.groups.push_back({values.size(), mean_of(values), standard_deviation(values)});
             found += values.size();
         }
         if (found == 0) {

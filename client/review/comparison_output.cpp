@@ -14,12 +14,12 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Three digits, or two behind the point: what samples of this size bear.
+/// Three digits, or two decimals: the precision that samples of this size support.
 std::string number(double value) {
     if (!std::isfinite(value)) {
         return "-";
     }
-    const double shown = std::abs(value) < 0.005 ? 0.0 : value;  // no zero with a sign
+    const double shown = std::abs(value) < 0.005 ? 0.0 : value;  // no negative zero
     return fmt::format("{:.{}f}", shown, std::abs(value) < 99.95 ? 2 : 1);
 }
 
@@ -27,7 +27,7 @@ std::string chance(double p) {
     return !std::isfinite(p) ? "-" : p < 0.001 ? "<0.001" : fmt::format("{:.3f}", p);
 }
 
-/// `sessions`: of the group; where the value exists in fewer, the text says in how many.
+/// `sessions`: size of the group; if fewer have the value, the text states their number.
 std::string mean_text(const MeasureRow::Cell& cell, std::size_t sessions) {
     if (cell.count == 0) {
         return "-";
@@ -60,7 +60,7 @@ constexpr std::string_view legend =
     "effect "
     "size";
 
-/// Rows of the paper's parameters, then of the others, with a word between.
+/// Rows of the paper's metrics, then the others, with a heading between.
 template <class Each, class Between>
 void in_two_parts(const Comparison& comparison, const Each& each, const Between& between) {
     for (const bool in_paper : {true, false}) {
@@ -119,7 +119,7 @@ tr.distinct td { font-weight: 600; }
 }  // namespace
 
 std::string to_table(const Comparison& comparison) {
-    // What stands in brackets is in metrics.md.
+    // The text in brackets is explained in metrics.md.
     const auto label = [](const MeasureRow& row) {
         return row.measure->label.substr(0, row.measure->label.find(" ("));
     };
@@ -137,9 +137,9 @@ std::string to_table(const Comparison& comparison) {
         out += fmt::format("  {:<{}}", "Mean (standard deviation)", label_width + 7);
         for (std::size_t g = from; g < to; ++g) {
             const StudyGroup& group = comparison.groups[g];
-            out += fmt::format("{:>21}",
-                               fmt::format("{} n={}", group.name.substr(0, whole_characters(group.name, 13)),
-                                           group.sessions.size()));
+            out += fmt::format(
+                "{:>21}", fmt::format("{} n={}", group.name.substr(0, utf8_prefix_length(group.name, 13)),
+                                      group.sessions.size()));
         }
         out += '\n';
         in_two_parts(
@@ -226,7 +226,7 @@ ordered_json to_json(const Comparison& comparison) {
 
 std::string to_csv(const Comparison& comparison) {
     std::string out = "file,group,participant,scenario,operator,seed,success";
-    for (const ParameterField& field : parameter_fields) {
+    for (const MetricField& field : metric_fields) {
         out += fmt::format(",{}", field.key);
     }
     out += "\r\n";
@@ -238,8 +238,8 @@ std::string to_csv(const Comparison& comparison) {
                                !session.outcome.known    ? ""
                                : session.outcome.success ? "1"
                                                          : "0");
-            for (const ParameterField& field : parameter_fields) {
-                const double value = session.parameters.*field.value;
+            for (const MetricField& field : metric_fields) {
+                const double value = session.metrics.*field.value;
                 out += std::isfinite(value) ? fmt::format(",{:.9g}", value) : ",";
             }
             out += "\r\n";
@@ -248,7 +248,7 @@ std::string to_csv(const Comparison& comparison) {
     return out;
 }
 
-std::string to_html(const Comparison& comparison, std::string_view further) {
+std::string to_html(const Comparison& comparison, std::string_view extra_html) {
     std::string out(page_head);
     out += fmt::format(
         "<h1>Comparison</h1>\n<p class=\"soft\">{} {}. Bold: Holm's p is under 0.05. NeoETI {}.</p>\n",
@@ -295,7 +295,7 @@ std::string to_html(const Comparison& comparison, std::string_view further) {
             part);
         out += "</table></div>\n";
     }
-    out += further;
+    out += extra_html;
     out += "<h2>Sessions</h2>\n<ul>\n";
     for (const StudyGroup& group : comparison.groups) {
         for (const StudySession& session : group.sessions) {

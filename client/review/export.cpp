@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "common/process/folder.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
+#include "common/process/files/folder.hpp"
 #include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 
@@ -22,7 +22,7 @@ namespace {
 
 using session::Series;
 
-/// A CSV file that shows under its name only when it is complete.
+/// A CSV file that appears under its name only when complete.
 class CsvFile {
   public:
     explicit CsvFile(const std::filesystem::path& path) : path_(path), unfinished_(path) {
@@ -66,7 +66,7 @@ class CsvFile {
         void operator()(std::FILE* file) const { std::fclose(file); }
     };
     std::filesystem::path path_;
-    UnfinishedFile unfinished_;
+    AtomicFileWriter unfinished_;
     std::unique_ptr<std::FILE, Close> file_;
     fmt::memory_buffer line_;
 };
@@ -76,7 +76,7 @@ void put_text(fmt::memory_buffer& line, const std::string& text) {
 }
 
 void put_number(fmt::memory_buffer& line, double value) {
-    // 9 digits tell any two floats apart; what came from doubles keeps them too, beyond use.
+    // 9 digits distinguish any two floats, and exceed the useful precision of doubles here.
     fmt::format_to(std::back_inserter(line), "{:.9g}", value);
 }
 
@@ -241,7 +241,7 @@ std::vector<std::filesystem::path> export_csv(
         const auto all = reader.series(group);
         std::vector<const Series*> columns;
         for (const Series& series : all) {
-            // Series of whole lines make a table of their own.
+            // Series of lines go into a separate table.
             if (is_time(series) || (series.row_shape.size() > 1) == lines) {
                 columns.push_back(&series);
             }

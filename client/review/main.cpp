@@ -15,15 +15,15 @@
 #include "client/review/report.hpp"
 #include "client/review/score.hpp"
 #include "client/review/server_program.hpp"
-#include "client/review/study.hpp"
-#include "client/review/study_commands.hpp"
+#include "client/review/study/study.hpp"
+#include "client/review/study/study_commands.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/escaped.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
-#include "common/session/check.hpp"
+#include "common/session/repair/check.hpp"
 
 namespace {
 
@@ -50,12 +50,12 @@ int check(const std::filesystem::path& file, bool repair, bool json) {
     if (json) {
         nlohmann::ordered_json out;
         out["file"] = file.string();
-        out["sound"] = result.sound();
+        out["sound"] = result.is_valid();
         out["repaired"] = done;
         out["damage"] = result.damage;
         out["remarks"] = result.remarks;
         std::cout << out.dump(2) << '\n';
-        return result.sound() ? 0 : refused;
+        return result.is_valid() ? 0 : refused;
     }
     for (const std::string& text : done) {
         std::cout << "repaired: " << escaped_lines(text) << '\n';
@@ -66,11 +66,11 @@ int check(const std::filesystem::path& file, bool repair, bool json) {
     for (const std::string& text : result.damage) {
         std::cerr << escaped_lines(file.string() + ": " + text) << '\n';
     }
-    if (!result.sound() && result.repairable && !repair) {
+    if (!result.is_valid() && result.repairable && !repair) {
         std::cerr << "Remedy: eti-review check --repair " << escaped(file.string()) << '\n';
     }
-    std::cout << escaped(file.string()) << (result.sound() ? ": sound\n" : ": damaged\n");
-    return result.sound() ? 0 : refused;
+    std::cout << escaped(file.string()) << (result.is_valid() ? ": sound\n" : ": damaged\n");
+    return result.is_valid() ? 0 : refused;
 }
 
 int export_csv(const std::filesystem::path& file, const std::filesystem::path& folder, bool json) {
@@ -81,7 +81,7 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
             std::cerr << fmt::format("\r\033[K[{}] {}", ++count, escaped(path.string())) << std::flush;
         }
     };
-    const auto written = review::export_csv(file, folder, progress, stop_asked);
+    const auto written = review::export_csv(file, folder, progress, stop_requested);
     if (on_terminal) {
         std::cerr << "\r\033[K";
     }
@@ -95,16 +95,16 @@ int export_csv(const std::filesystem::path& file, const std::filesystem::path& f
     if (json) {
         std::cout << nlohmann::ordered_json{{"file", file.string()}, {"written", names}}.dump(2) << '\n';
     }
-    return stop_asked() ? review::interrupted : 0;
+    return stop_requested() ? review::interrupted : 0;
 }
 
-/// Options of a replay, as eti-server takes them.
+/// Options of a replay, passed to eti-server.
 struct Replay {
     std::optional<double> speed, from, to;
     bool loop = false, pause = false;
 };
 
-/// The server publishes it, as only it speaks for a session. Returns only where there is none.
+/// The server publishes the replay, as only it may publish a session. Returns only if it was not found.
 int replay(const std::filesystem::path& file, const Replay& how, const std::vector<std::string>& further) {
     std::vector<std::string> words{"--replay", file.string()};
     for (const auto& [name, value] :
@@ -120,13 +120,13 @@ int replay(const std::filesystem::path& file, const Replay& how, const std::vect
         words.emplace_back("--pause");
     }
     words.insert(words.end(), further.begin(), further.end());
-    review::become_server(words);
+    review::exec_server(words);
     return refused;
 }
 
 constexpr const char* no_score = "none";
 
-/// A page without a score is better than none: whoever cannot have the one learns how to get the other.
+/// Without a score the page is still written, and the user is told how to get one.
 std::optional<review::ScoreModel> score_for_report(const std::string& name) {
     if (name == no_score) {
         return std::nullopt;
@@ -142,7 +142,7 @@ std::optional<review::ScoreModel> score_for_report(const std::string& name) {
 int report(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
            const std::string& score, bool json) {
     const std::optional<review::ScoreModel> model = score_for_report(score);
-    const std::filesystem::path written = review::write_report(files, folder, model, stop_asked);
+    const std::filesystem::path written = review::write_report(files, folder, model, stop_requested);
     if (written.empty()) {
         return review::interrupted;
     }
@@ -234,7 +234,7 @@ int main(int argc, char** argv) {
     study_command.add_flag("--json", json, "Print the result as one JSON object");
 
     std::vector<review::Command> study_commands = review::add_study_commands(app);
-    std::ranges::move(review::add_opinion_commands(app), std::back_inserter(study_commands));
+    std::ranges::move(review::add_rating_commands(app), std::back_inserter(study_commands));
     std::ranges::move(review::add_score_commands(app), std::back_inserter(study_commands));
 
     if (const auto status = app.parse(argc, argv)) {
@@ -243,12 +243,12 @@ int main(int argc, char** argv) {
     if (replay_command.parsed()) {
         return replay(file, how, replay_command.remaining());
     }
-    // The task below decides when to end; it inherits the handler.
+    // The guarded task decides when to end; it inherits the handler.
     catch_stop_signals();
 
-    if (study_command.parsed()) {  // starts programs that need more than the task below may take
+    if (study_command.parsed()) {  // starts programs that need more resources than the guarded task may use
         try {
-            study_run.further = study_command.remaining();
+            study_run.server_options = study_command.remaining();
             return run_study(review::load_study(find_data_file(study_file, "studies")), study_run, json);
         } catch (const std::exception& error) {
             std::cerr << "eti-review: " << escaped_lines(error.what()) << '\n';
@@ -256,8 +256,8 @@ int main(int argc, char** argv) {
         }
     }
 
-    // Session files come from other people too, and the HDF5 library can crash on a damaged one.
-    const Guarded ended = run_guarded([&] {
+    // Session files may come from third parties, and the HDF5 library can crash on a damaged one.
+    const GuardedResult ended = run_guarded([&] {
         try {
             if (summary_command.parsed()) {
                 return summary(file, json);
@@ -269,7 +269,7 @@ int main(int argc, char** argv) {
                 return report(files, folder, score, json);
             }
             for (const review::Command& command : study_commands) {
-                if (command.parsed_by.parsed()) {
+                if (command.parser.parsed()) {
                     return command.run(json);
                 }
             }

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/process/folder.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
+#include "common/process/files/folder.hpp"
 
 namespace eti::review {
 
@@ -28,7 +28,7 @@ void write_file(const std::filesystem::path& path, std::string_view text, std::s
     if (path.has_parent_path()) {
         make_folder(path.parent_path(), option);
     }
-    if (const std::string why = write_whole(path, text); !why.empty()) {
+    if (const std::string why = write_file_atomically(path, text); !why.empty()) {
         throw ExportError(fmt::format("{}: cannot be written: {}; make room or choose another with {}",
                                       path.string(), why, option));
     }

@@ -10,29 +10,30 @@
 
 namespace eti::review {
 
-/// A file that cannot be written; the text names it, and says why and what to do.
+/// A file that cannot be written; the message names it, the cause and the remedy.
 class ExportError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
-/// Throws ExportError where there is such a file: nothing is replaced. `option` names it otherwise.
+/// Throws ExportError if the file exists: nothing is overwritten. `option`: the option that chooses another
+/// name.
 void refuse_existing(const std::filesystem::path& path, std::string_view option);
 
-/// Writes a file that shows under its name only when it is complete, in place of one that is there; makes its
-/// folder. Throws ExportError, or as make_folder() does.
+/// Writes a file atomically: it appears under its name only when complete, replacing an existing one;
+/// creates its folder. Throws ExportError, or as make_folder() does.
 void write_file(const std::filesystem::path& path, std::string_view text, std::string_view option);
 
-/// The same, but throws also for a file that is there already.
+/// The same, but also throws if the file exists.
 void write_new_file(const std::filesystem::path& path, std::string_view text, std::string_view option);
 
-/// As an element's text or an attribute's value in HTML.
+/// Escapes text for HTML elements and attribute values.
 [[nodiscard]] std::string html_text(std::string_view text);
 
-/// As a value of CSV (RFC 4180), quoted.
+/// Quotes text as a CSV value (RFC 4180).
 [[nodiscard]] std::string csv_text(std::string_view text);
 
-/// As a value of JSON, which has no NaN: null instead.
+/// A JSON number, or null for NaN, which JSON lacks.
 [[nodiscard]] nlohmann::ordered_json number_or_null(double value);
 
 }  // namespace eti::review

@@ -3,7 +3,7 @@
 #include "client/review/report.hpp"
 
 #ifdef ETI_REPORT_PAGE
-// The assembler takes the file as it is: no compiler has to read a string of a megabyte.
+// Embedded by the assembler, as a compiler would have to parse a string literal of a megabyte.
 asm(".section .rodata\n"
     ".global eti_report_page\n"
     ".global eti_report_page_end\n"

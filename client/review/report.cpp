@@ -17,27 +17,27 @@ namespace {
 using nlohmann::ordered_json;
 using Steps = std::span<const session::StepRecord>;
 
-/// Things to practise that a person keeps in mind.
-constexpr std::size_t most_practice = 3;
+/// Number of items that a person can keep in mind.
+constexpr std::size_t max_practice_items = 3;
 
-/// As the session began: what a fall is measured from.
-Parameters first_values(Steps steps) {
+/// Values at the start of the session, reference for decreases.
+AttemptMetrics first_values(Steps steps) {
     for (const session::StepRecord& step : steps) {
-        if (std::isfinite(step.parameters.oxygen_saturation_end_percent)) {
-            return step.parameters;
+        if (std::isfinite(step.metrics.oxygen_saturation_end_percent)) {
+            return step.metrics;
         }
     }
-    return starting_parameters();
+    return initial_metrics();
 }
 
-/// Of a session's run and attempts, the record that an aim judges.
+/// The record of a session's run or attempts that a target refers to.
 const session::SummaryRecord& judged(const Aim& aim, const session::SummaryRecord& record,
-                                     const Summary& summary, const Parameters& first) {
+                                     const Summary& summary, const AttemptMetrics& first) {
     const session::SummaryRecord* worst = &record;
     if (aim.each_attempt && record.attempt == 0) {
         for (const session::SummaryRecord& attempt : summary.attempts) {
             if (worst->attempt == 0 ||
-                !(shortfall(aim, attempt.parameters, first) <= shortfall(aim, worst->parameters, first))) {
+                !(shortfall(aim, attempt.metrics, first) <= shortfall(aim, worst->metrics, first))) {
                 worst = &attempt;
             }
         }
@@ -46,18 +46,18 @@ const session::SummaryRecord& judged(const Aim& aim, const session::SummaryRecor
 }
 
 ordered_json record_json(const session::SummaryRecord& record, const Summary& summary,
-                         const Parameters& first) {
+                         const AttemptMetrics& first) {
     ordered_json out;
     out["attempt"] = record.attempt;
     out["success"] = summary.outcome_known(record) ? ordered_json(record.outcome.success) : ordered_json();
     out["reason"] = record.outcome.reason;
-    for (const ParameterField& field : parameter_fields) {
+    for (const MetricField& field : metric_fields) {
         const auto aim = std::ranges::find(aims, field.key, &Aim::key);
-        out["values"].push_back(record.parameters.*field.value);
+        out["values"].push_back(record.metrics.*field.value);
         out["lights"].push_back(
             aim == aims.end()
                 ? ""
-                : name_of(light_of(shortfall(*aim, judged(*aim, record, summary, first).parameters, first))));
+                : name_of(aim_status(shortfall(*aim, judged(*aim, record, summary, first).metrics, first))));
     }
     return out;
 }
@@ -75,7 +75,7 @@ double time_of_best_view(Steps steps) {
     return time_of_greatest(steps, [](const auto& step) { return step.glottic_opening_percent; });
 }
 
-/// The pictures that say most: only moments that happened.
+/// The most informative pictures; only moments that occurred.
 ordered_json moments_json(Steps steps) {
     ordered_json out = ordered_json::array();
     const auto some = [&](auto&& predicate) { return std::ranges::any_of(steps, predicate); };
@@ -95,7 +95,8 @@ ordered_json moments_json(Steps steps) {
     return out;
 }
 
-double moment_of(const Aim& aim, Steps steps, const session::SummaryRecord& record, const Parameters& first) {
+double moment_of(const Aim& aim, Steps steps, const session::SummaryRecord& record,
+                 const AttemptMetrics& first) {
     const auto when = [&](auto&& predicate) {
         const auto found = std::ranges::find_if(steps, predicate);
         return found == steps.end() ? seconds_of(steps.back()) : seconds_of(*found);
@@ -117,12 +118,12 @@ double moment_of(const Aim& aim, Steps steps, const session::SummaryRecord& reco
     }
     return when([&](const session::StepRecord& step) {
         return step.attempt_running && (record.attempt == 0 || step.attempt == record.attempt) &&
-               shortfall(aim, step.parameters, first) > 0.0;
+               shortfall(aim, step.metrics, first) > 0.0;
     });
 }
 
-/// Of the aims that were not reached, those that are farthest off.
-ordered_json practise_json(const Summary& summary, Steps steps, const Parameters& first) {
+/// The targets missed by the widest margin.
+ordered_json practise_json(const Summary& summary, Steps steps, const AttemptMetrics& first) {
     struct Miss {
         const Aim* aim;
         const session::SummaryRecord* record;
@@ -131,37 +132,37 @@ ordered_json practise_json(const Summary& summary, Steps steps, const Parameters
     std::vector<Miss> misses;
     for (const Aim& aim : aims) {
         const session::SummaryRecord& record = judged(aim, summary.run, summary, first);
-        const double by = shortfall(aim, record.parameters, first);
+        const double by = shortfall(aim, record.metrics, first);
         if (by > 0.0 && !aim.practise.empty() && !steps.empty()) {
             misses.push_back({&aim, &record, by});
         }
     }
     std::ranges::stable_sort(misses, std::ranges::greater{}, &Miss::by);
-    misses.resize(std::min(misses.size(), most_practice));
+    misses.resize(std::min(misses.size(), max_practice_items));
     ordered_json out = ordered_json::array();
     for (const Miss& miss : misses) {
         out.push_back({{"key", miss.aim->key},
-                       {"value", miss.record->parameters.*parameter_field(miss.aim->key).value},
-                       {"light", name_of(light_of(miss.by))},
+                       {"value", miss.record->metrics.*metric_field(miss.aim->key).value},
+                       {"light", name_of(aim_status(miss.by))},
                        {"practise", miss.aim->practise},
                        {"time_s", moment_of(*miss.aim, steps, *miss.record, first)}});
     }
     return out;
 }
 
-/// Steps that one sample of the time line stands for.
+/// Steps per sample of the time line.
 std::size_t stride_of(std::size_t steps) {
     constexpr std::size_t to_30_hz = 6;
-    return std::max(to_30_hz, (steps + most_samples - 1) / most_samples);
+    return std::max(to_30_hz, (steps + max_samples - 1) / max_samples);
 }
 
-/// As many digits as a chart shows.
+/// Rounded to the precision of a chart.
 double shortened(double value) {
     return std::round(1e4 * value) * 1e-4;
 }
 
-/// A value of each sample's last step; of a force and of the view, the greatest in it, so that no peak is
-/// lost.
+/// Each sample takes the value of its last step, except force and view, which take the maximum, so that no
+/// peak is lost.
 ordered_json samples_json(Steps steps) {
     const std::size_t stride = stride_of(steps.size());
     ordered_json time = ordered_json::array(), gum = time, view = time, depth = time, saturation = time,
@@ -170,7 +171,7 @@ ordered_json samples_json(Steps steps) {
         const Steps part = steps.subspan(from, std::min(stride, steps.size() - from));
         const session::StepRecord& last = part.back();
         const auto greatest = [&](float session::StepRecord::*value) {
-            float most = session::no_number;
+            float most = session::missing_number;
             for (const session::StepRecord& step : part) {
                 most = std::fmax(most, step.*value);
             }
@@ -180,8 +181,8 @@ ordered_json samples_json(Steps steps) {
         gum.push_back(greatest(&session::StepRecord::gum_force_n));
         view.push_back(greatest(&session::StepRecord::glottic_opening_percent));
         depth.push_back(shortened(1e3 * static_cast<double>(last.tube_depth_past_glottis)));
-        saturation.push_back(shortened(last.parameters.oxygen_saturation_end_percent));
-        rate.push_back(shortened(last.parameters.heart_rate_end_per_min));
+        saturation.push_back(shortened(last.metrics.oxygen_saturation_end_percent));
+        rate.push_back(shortened(last.metrics.heart_rate_end_per_min));
     }
     const auto line = [](const char* label, const char* unit, ordered_json& values) {
         return ordered_json{{"label", label}, {"unit", unit}, {"values", std::move(values)}};
@@ -197,7 +198,7 @@ ordered_json samples_json(Steps steps) {
 
 ordered_json session_json(const session::SessionReader& reader, const Summary& summary) {
     const std::vector<session::StepRecord> steps = reader.steps();
-    const Parameters first = first_values(steps);
+    const AttemptMetrics first = first_values(steps);
     ordered_json out;
     out["file"] = summary.file.filename().string();
     put_session(out, summary);
@@ -221,7 +222,7 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
 
 ordered_json fields_json() {
     ordered_json out = ordered_json::array();
-    for (const ParameterField& field : parameter_fields) {
+    for (const MetricField& field : metric_fields) {
         out.push_back({{"key", field.key},
                        {"label", field.label},
                        {"unit", field.unit},
@@ -232,9 +233,9 @@ ordered_json fields_json() {
     return out;
 }
 
-std::string embeddable(const ordered_json& json) {
+std::string escape_for_script(const ordered_json& json) {
     const std::string text = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-    // Outside strings JSON has no `<`; inside, an escape means the same.
+    // JSON has `<` only inside strings, where an escape is equivalent.
     std::string out;
     out.reserve(text.size());
     for (const char c : text) {
@@ -269,14 +270,14 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
         if (model) {
             one["score"] =
                 summary.outcome_known(summary.run)
-                    ? to_json(score_of(*model, summary.run.parameters, summary.run.outcome.success), *model)
+                    ? to_json(score_of(*model, summary.run.metrics, summary.run.outcome.success), *model)
                     : ordered_json();
         }
         one["anatomy"] = anatomy_json(reader);
         data["sessions"].push_back(std::move(one));
     }
     std::string whole(page.substr(0, cut));
-    whole += embeddable(data);
+    whole += escape_for_script(data);
     whole += page.substr(cut + place.size());
     write_new_file(path, whole, "--out");
     return path;

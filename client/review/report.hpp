@@ -15,12 +15,12 @@
 
 namespace eti::review {
 
-/// What a page shows of sessions at most: 30 Hz, and no more samples than this in longer sessions.
-inline constexpr std::size_t most_samples = 3600;
+/// Maximum number of samples per session on a page: sampled at 30 Hz, more coarsely in longer sessions.
+inline constexpr std::size_t max_samples = 3600;
 
-/// Everything that the page shows of a session but its anatomy: outcome, parameters with their lights,
-/// samples of the time line, events, key moments and what to practise. NaN becomes null. Lengths in the
-/// units that `label`s name. Throws hdf5::Error.
+/// All data of a session on the page except its anatomy: outcome, metrics with their traffic lights, time
+/// line samples, events, key moments and advice. NaN becomes null. Lengths in the units that the `label`s
+/// name. Throws hdf5::Error.
 [[nodiscard]] nlohmann::ordered_json session_json(const session::SessionReader& reader,
                                                   const Summary& summary);
 
@@ -28,18 +28,18 @@ inline constexpr std::size_t most_samples = 3600;
 /// docs/report.md. Throws hdf5::Error.
 [[nodiscard]] nlohmann::ordered_json anatomy_json(const session::SessionReader& reader);
 
-/// What every session's parameters have in common: label, unit, aim and source.
+/// Label, unit, target and source of each metric, common to all sessions.
 [[nodiscard]] nlohmann::ordered_json fields_json();
 
-/// JSON that can stand inside an HTML `script` element: `<` and invalid UTF-8 never get through.
-[[nodiscard]] std::string embeddable(const nlohmann::ordered_json& json);
+/// JSON that is safe inside an HTML `script` element: `<` is escaped and invalid UTF-8 replaced.
+[[nodiscard]] std::string escape_for_script(const nlohmann::ordered_json& json);
 
-/// The page with a place for sessions, as it was bundled into this program; empty when npm was not there.
+/// The page template bundled into this program; empty if npm was missing in the build.
 [[nodiscard]] std::string_view report_page();
 
-/// Writes DIR/report.html about these sessions, the first compared with the others, scored by `model` where
-/// there is one. Makes the folder, replaces no file. Returns the page's path; empty when `stop` said so.
-/// Throws ExportError, hdf5::Error.
+/// Writes DIR/report.html about these sessions, comparing the first with the others, scored by `model` if
+/// given. Creates the folder, never overwrites a file. Returns the page's path; empty if `stop` returned
+/// true. Throws ExportError, hdf5::Error.
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& sessions,
                                    const std::filesystem::path& folder,
                                    const std::optional<ScoreModel>& model, const std::function<bool()>& stop);

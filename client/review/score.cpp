@@ -21,13 +21,13 @@ namespace eti::review {
 namespace {
 
 constexpr std::size_t cuts = grades - 1;
-constexpr int good = 4;  // from this grade on a session counts as good
+constexpr int good = 4;  // minimum grade of a good session
 constexpr std::size_t folds = 5;
 
 constexpr bool more = true, less = false;  // is better
 
-// What is neither better nor worse for being more, such as the blade's depth, is left out: whoever had more
-// of it would be praised or blamed for the patients and hands of the training.
+// Values for which neither more nor less is better, such as the blade's depth, are excluded: they would
+// reflect the training's patients and hands.
 constexpr ScoreFeature features[] = {
     {intubated_key, more},
     {"gum_force_n.max", less, true},
@@ -51,23 +51,23 @@ constexpr ScoreFeature features[] = {
 };
 constexpr std::size_t feature_count = std::size(features);
 
-// Of the penalty on the outcome's weight: next to none. As failures mostly took long, too, a penalty would
-// have time tell them, and praise a failure that was quick.
+// Factor of the penalty on the outcome's weight: nearly none. Failures were mostly slow, so a penalty would
+// shift weight from the outcome to time, and reward quick failures.
 constexpr double outcome_penalty = 0.01;
 
 constexpr double penalty_share(const ScoreFeature& feature) {
     return feature.key == intubated_key ? outcome_penalty : 1.0;
 }
 
-double parameter(const Parameters& parameters, std::string_view key) {
-    return parameters.*parameter_field(key).value;
+double parameter(const AttemptMetrics& metrics, std::string_view key) {
+    return metrics.*metric_field(key).value;
 }
 
 double logistic(double x) {
     return 1.0 / (1.0 + std::exp(-x));
 }
 
-/// What a value counts as: one that does not exist, as a first view that never came, as the worst of the
+/// The value to use; a missing one, such as a first view that never occurred, counts as the worst in
 /// training.
 double counted(const ScoreFeature& feature, const ScoreModel::Weight& weight, double value) {
     return !std::isnan(value)       ? std::clamp(value, weight.low, weight.high)
@@ -75,12 +75,12 @@ double counted(const ScoreFeature& feature, const ScoreModel::Weight& weight, do
                                     : weight.high;
 }
 
-/// In deviations from the training's mean.
+/// In standard deviations from the training mean.
 double standardised(const ScoreFeature& feature, const ScoreModel::Weight& weight, double value) {
     return (counted(feature, weight, value) - weight.mean) / weight.deviation;
 }
 
-/// Chances of each grade at log odds `eta`.
+/// Probability of each grade at log odds `eta`.
 std::array<double, grades> chances(double eta, const std::array<double, cuts>& thresholds) {
     std::array<double, grades> chance{};
     double below = 0.0;
@@ -93,7 +93,7 @@ std::array<double, grades> chances(double eta, const std::array<double, cuts>& t
     return chance;
 }
 
-/// What is minimised: standardised features (a row each), grades, penalty.
+/// The optimisation problem: standardised features (one row each), grades, penalty.
 struct Problem {
     std::vector<double> rows;
     std::vector<int> grade;
@@ -101,7 +101,7 @@ struct Problem {
 };
 
 std::array<double, cuts> thresholds_from(const double* x) {
-    // The first, then how far each lies above the one before, as a logarithm: they cannot cross.
+    // The first, then the logarithm of each increment, which keeps them in order.
     std::array<double, cuts> thresholds{};
     thresholds[0] = x[0];
     for (std::size_t k = 1; k < cuts; ++k) {
@@ -110,7 +110,7 @@ std::array<double, cuts> thresholds_from(const double* x) {
     return thresholds;
 }
 
-/// Minus the log likelihood and its gradient: thresholds first, then weights.
+/// Negative log likelihood and its gradient: thresholds first, then weights.
 double objective(unsigned count, const double* x, double* gradient, void* data) {
     const Problem& problem = *static_cast<const Problem*>(data);
     const std::array<double, cuts> thresholds = thresholds_from(x);
@@ -163,7 +163,7 @@ double objective(unsigned count, const double* x, double* gradient, void* data) 
 ScoreModel::Weight scale_of(const ScoreFeature& feature, std::span<const Example> examples) {
     std::vector<double> values, there;
     for (const Example& example : examples) {
-        values.push_back(value_of(feature, example.parameters, example.intubated));
+        values.push_back(value_of(feature, example.metrics, example.intubated));
         if (std::isfinite(values.back())) {
             there.push_back(values.back());
         }
@@ -184,12 +184,12 @@ ScoreModel::Weight scale_of(const ScoreFeature& feature, std::span<const Example
     for (const double value : values) {
         squares += (value - weight.mean) * (value - weight.mean);
     }
-    // What never varies says nothing.
+    // A constant feature carries no information.
     weight.deviation = high > low ? std::sqrt(squares / n) : 1.0;
     return weight;
 }
 
-/// Of those that intubated, or of all; of none the middle.
+/// Mean over intubated sessions, or all; the middle grade if there are none.
 double mean_grade(std::span<const Example> examples, bool intubated) {
     double sum = 0.0, count = 0.0;
     for (const Example& example : examples) {
@@ -201,7 +201,7 @@ double mean_grade(std::span<const Example> examples, bool intubated) {
     return count > 0.0 ? sum / count : 0.5 * (1 + grades);
 }
 
-/// Ranks from 1; equal values share the mean of theirs.
+/// Ranks from 1; ties share their mean rank.
 std::vector<double> ranks(const std::vector<double>& values) {
     std::vector<std::size_t> order(values.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -245,7 +245,7 @@ GradeError error_of(const std::vector<Prediction>& predictions) {
         scores.push_back(one.score);
         given.push_back(one.given);
         error.mean_error += std::abs(one.score - one.given) / static_cast<double>(predictions.size());
-        error.blind_error += std::abs(one.blind - one.given) / static_cast<double>(predictions.size());
+        error.baseline_error += std::abs(one.blind - one.given) / static_cast<double>(predictions.size());
     }
     error.rank = predictions.empty() ? 0.0 : correlation(ranks(scores), ranks(given));
     return error;
@@ -261,25 +261,26 @@ std::span<const ScoreFeature> score_features() {
     return features;
 }
 
-double value_of(const ScoreFeature& feature, const Parameters& parameters, bool intubated) {
+double value_of(const ScoreFeature& feature, const AttemptMetrics& metrics, bool intubated) {
     if (feature.key == intubated_key) {
         return intubated ? 1.0 : 0.0;
     }
-    double value = parameter(parameters, feature.key);
-    if (!feature.less.empty()) {
+    double value = parameter(metrics, feature.key);
+    if (!feature.subtracted.empty()) {
         if (!intubated) {
-            return std::numeric_limits<double>::quiet_NaN();  // in the gullet no depth is right
+            return std::numeric_limits<double>::quiet_NaN();  // with the tube in the oesophagus no depth is
+                                                              // correct
         }
-        value = std::abs(value - parameter(parameters, feature.less));
+        value = std::abs(value - parameter(metrics, feature.subtracted));
     }
     return feature.logarithm ? std::log1p(std::max(0.0, value)) + (std::isnan(value) ? value : 0.0) : value;
 }
 
-Score score_of(const ScoreModel& model, const Parameters& parameters, bool intubated) {
+Score score_of(const ScoreModel& model, const AttemptMetrics& metrics, bool intubated) {
     Score score;
     double eta = 0.0;
     for (std::size_t j = 0; j < feature_count; ++j) {
-        const double value = value_of(features[j], parameters, intubated);
+        const double value = value_of(features[j], metrics, intubated);
         score.measured.push_back(!std::isnan(value));
         score.contributions.push_back(model.weights[j].weight *
                                       standardised(features[j], model.weights[j], value));
@@ -314,14 +315,14 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
     for (const Example& example : examples) {
         problem.grade.push_back(example.grade);
         for (std::size_t j = 0; j < feature_count; ++j) {
-            problem.rows.push_back(standardised(
-                features[j], model.weights[j], value_of(features[j], example.parameters, example.intubated)));
+            problem.rows.push_back(standardised(features[j], model.weights[j],
+                                                value_of(features[j], example.metrics, example.intubated)));
         }
     }
     constexpr unsigned unknowns = cuts + feature_count;
     const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> search(
         nlopt_create(NLOPT_LD_SLSQP, unknowns), &nlopt_destroy);
-    // A grade that nobody has lets its thresholds fall together, so what keeps them apart has a floor.
+    // An unused grade lets its thresholds converge, so their logarithmic distance is bounded below.
     std::vector<double> low(unknowns, -50.0), high(unknowns, 50.0), x(unknowns, 0.0);
     std::fill_n(low.begin() + 1, cuts - 1, -10.0);
     std::fill_n(high.begin() + 1, cuts - 1, 4.0);
@@ -336,7 +337,7 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
     nlopt_set_maxeval(search.get(), 3000);
     double least = 0.0;
     const nlopt_result result = nlopt_optimize(search.get(), x.data(), &least);
-    // Rounding may stop it where nothing can be gained any more.
+    // Roundoff may stop the search once no improvement is possible.
     if ((result < 0 && result != NLOPT_ROUNDOFF_LIMITED) || result == NLOPT_MAXEVAL_REACHED ||
         !std::isfinite(least)) {
         throw ScoreError(fmt::format(
@@ -350,7 +351,7 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
     return model;
 }
 
-Judgement judge_score(std::span<const Example> examples, double penalty) {
+ValidationResult cross_validate(std::span<const Example> examples, double penalty) {
     std::set<std::string> patients, persons;
     for (const Example& example : examples) {
         patients.insert(example.patient);
@@ -366,7 +367,7 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
     const auto fold_of = [&](const std::string& person) {
         return static_cast<std::size_t>(std::distance(persons.begin(), persons.find(person))) % folds;
     };
-    Judgement judgement;
+    ValidationResult judgement;
     std::vector<Prediction> all, intubated;
     std::size_t many = 0;
     for (const std::string& patient : patients) {
@@ -386,7 +387,7 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
             const ScoreModel model = fit(seen, penalty);
             const double mean = mean_grade(seen, false), mean_of_intubated = mean_grade(seen, true);
             for (const Example& example : held_out) {
-                const Score score = score_of(model, example.parameters, example.intubated);
+                const Score score = score_of(model, example.metrics, example.intubated);
                 const bool is_good = example.grade >= good;
                 const double chance = chance_of_good(score);
                 const auto given = static_cast<double>(example.grade);
@@ -395,7 +396,7 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
                     intubated.push_back({score.grade, given, mean_of_intubated});
                 }
                 many += is_good ? 1 : 0;
-                judgement.right += (chance >= 0.5) == is_good ? 1.0 : 0.0;
+                judgement.accuracy += (chance >= 0.5) == is_good ? 1.0 : 0.0;
                 judgement.brier += std::pow(chance - (is_good ? 1.0 : 0.0), 2);
                 auto& bin =
                     judgement.calibration[std::min<std::size_t>(static_cast<std::size_t>(chance * 5.0), 4)];
@@ -408,10 +409,10 @@ Judgement judge_score(std::span<const Example> examples, double penalty) {
     const auto n = static_cast<double>(all.size());
     judgement.all = error_of(all);
     judgement.intubated = error_of(intubated);
-    judgement.right /= n;
+    judgement.accuracy /= n;
     judgement.brier /= n;
     const double share = static_cast<double>(many) / n;
-    judgement.blind_right = std::max(share, 1.0 - share);
+    judgement.baseline_accuracy = std::max(share, 1.0 - share);
     for (CalibrationBin& bin : judgement.calibration) {
         if (bin.count > 0) {
             bin.predicted /= static_cast<double>(bin.count);
@@ -431,7 +432,7 @@ std::optional<Example> read_example(const std::filesystem::path& file, const std
         return std::nullopt;
     }
     Example example;
-    example.parameters = summary.run.parameters;
+    example.metrics = summary.run.metrics;
     example.intubated = summary.run.outcome.success;
     example.patient = summary.info.scenario;
     example.person = text(session::participant_text);

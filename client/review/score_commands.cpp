@@ -6,9 +6,9 @@
 #include <set>
 
 #include "client/review/output.hpp"
-#include "client/review/ratings.hpp"
 #include "client/review/score.hpp"
-#include "client/review/study_commands.hpp"
+#include "client/review/study/ratings.hpp"
+#include "client/review/study/study_commands.hpp"
 #include "client/review/summary.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/progress_bar.hpp"
@@ -24,7 +24,7 @@ constexpr std::string_view skill_source =
 nlohmann::ordered_json to_json(const GradeError& error) {
     return {{"sessions", error.sessions},
             {"mean_error", error.mean_error},
-            {"blind_error", error.blind_error},
+            {"blind_error", error.baseline_error},
             {"rank", error.rank}};
 }
 
@@ -78,13 +78,13 @@ Command add_train(CommandLine& app) {
                         "{} is left out: it has no grade by '{}', or its outcome is unknown\n", file,
                         options->label);
                 }
-                const Judgement judged = judge_score(examples, options->penalty);
+                const ValidationResult judged = cross_validate(examples, options->penalty);
                 ScoreModel model = fit(examples, options->penalty);
-                model.judged = judged;
+                model.validation = judged;
                 model.name = options->name;
-                model.people = options->label != "skill";
-                model.source = model.people ? fmt::format("instructors' ratings of '{}'", options->label)
-                                            : std::string(skill_source);
+                model.human_rated = options->label != "skill";
+                model.source = model.human_rated ? fmt::format("instructors' ratings of '{}'", options->label)
+                                                 : std::string(skill_source);
                 std::set<std::string> patients, persons;
                 for (const Example& example : examples) {
                     patients.insert(example.patient);
@@ -102,8 +102,8 @@ Command add_train(CommandLine& app) {
                                                         {"left_out", left_out},
                                                         {"all", to_json(judged.all)},
                                                         {"intubated", to_json(judged.intubated)},
-                                                        {"right", judged.right},
-                                                        {"blind_right", judged.blind_right},
+                                                        {"right", judged.accuracy},
+                                                        {"blind_right", judged.baseline_accuracy},
                                                         {"brier", judged.brier}}
                                      .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
                               << '\n';
@@ -135,7 +135,7 @@ Command add_apply(CommandLine& app) {
                                         "that was recorded to its end",
                                         file.string(), summary.run.outcome.reason));
                     }
-                    const Score score = score_of(model, summary.run.parameters, summary.run.outcome.success);
+                    const Score score = score_of(model, summary.run.metrics, summary.run.outcome.success);
                     if (json) {
                         nlohmann::ordered_json one{{"file", file.string()},
                                                    {"success", summary.run.outcome.success}};

@@ -21,11 +21,11 @@ std::string label_of(const ScoreFeature& feature) {
     if (feature.key == intubated_key) {
         return "trachea intubated";
     }
-    const std::string label(parameter_field(feature.key).label);
-    return feature.less.empty() ? label : label + ", off the weight rule";
+    const std::string label(metric_field(feature.key).label);
+    return feature.subtracted.empty() ? label : label + ", off the weight rule";
 }
 
-/// Features by how much they count, the most first.
+/// Features by weight, largest first.
 std::vector<std::size_t> by_size(const std::vector<double>& values) {
     std::vector<std::size_t> order(values.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -34,12 +34,12 @@ std::vector<std::size_t> by_size(const std::vector<double>& values) {
     return order;
 }
 
-/// To six digits, as a file has them, and never minus zero.
+/// To six digits, as in a file, and never minus zero.
 double shown(double value) {
     return std::round(1e6 * value) / 1e6 + 0.0;
 }
 
-/// What is judged apart, by its name in a file.
+/// A separately judged group, with its name in a file.
 template <class Judged>
 auto groups_of(Judged& judged) {
     return std::array{std::pair("all", &judged.all), std::pair("intubated", &judged.intubated)};
@@ -55,20 +55,20 @@ std::vector<double> weights_of(const ScoreModel& model) {
 
 }  // namespace
 
-std::string statement_of(const ScoreModel& model) {
+std::string training_statement(const ScoreModel& model) {
     const std::string learnt =
         fmt::format("Learnt from {} sessions of {} operators with {} patients, graded by {}.", model.sessions,
                     model.persons, model.patients, model.source);
-    return model.people ? learnt
-                        : learnt +
-                              " It has seen no human data: it says how near a session is to a practised "
-                              "script, not how good a person is.";
+    return model.human_rated ? learnt
+                             : learnt +
+                                   " It has seen no human data: it says how near a session is to a practised "
+                                   "script, not how good a person is.";
 }
 
 std::string to_yaml(const ScoreModel& model) {
     std::string out = "# Written by `eti-review score train`; see docs/score.md.\n";
     out += fmt::format("name: {}\nsource: \"{}\"\npeople: {}\n", model.name, model.source,
-                       model.people ? "on" : "off");
+                       model.human_rated ? "on" : "off");
     out += fmt::format("sessions: {}\npatients: {}\npersons: {}\npenalty: {:.6g}\n", model.sessions,
                        model.patients, model.persons, model.penalty);
     out += "thresholds:\n";
@@ -82,14 +82,14 @@ std::string to_yaml(const ScoreModel& model) {
             "  - {{key: {}, mean: {:.6f}, deviation: {:.6f}, low: {:.6f}, high: {:.6f}, weight: {:.6f}}}\n",
             score_features()[j].key, w.mean, w.deviation, w.low, w.high, shown(w.weight));
     }
-    const Judgement& j = model.judged;
+    const ValidationResult& j = model.validation;
     out += "judged:\n";
     for (const auto& [name, error] : groups_of(j)) {
         out += fmt::format("  {}: {{sessions: {}, mean_error: {:.4f}, blind_error: {:.4f}, rank: {:.4f}}}\n",
-                           name, error->sessions, error->mean_error, error->blind_error, error->rank);
+                           name, error->sessions, error->mean_error, error->baseline_error, error->rank);
     }
-    out += fmt::format("  right: {:.4f}\n  blind_right: {:.4f}\n  brier: {:.4f}\n  calibration:\n", j.right,
-                       j.blind_right, j.brier);
+    out += fmt::format("  right: {:.4f}\n  blind_right: {:.4f}\n  brier: {:.4f}\n  calibration:\n",
+                       j.accuracy, j.baseline_accuracy, j.brier);
     for (const CalibrationBin& bin : j.calibration) {
         out += fmt::format("    - {{count: {}, predicted: {:.4f}, observed: {:.4f}}}\n", bin.count,
                            bin.predicted, bin.observed);
@@ -110,7 +110,7 @@ ScoreModel load_score(const std::filesystem::path& file) {
     ScoreModel model;
     model.name = root.name("name", file.stem().string());
     model.source = root.text("source", "");
-    model.people = root.flag("people", false);
+    model.human_rated = root.flag("people", false);
     model.sessions = static_cast<std::size_t>(root.whole("sessions", 0, 0, most));
     model.patients = static_cast<std::size_t>(root.whole("patients", 0, 0, most));
     model.persons = static_cast<std::size_t>(root.whole("persons", 0, 0, most));
@@ -159,18 +159,18 @@ ScoreModel load_score(const std::filesystem::path& file) {
         model.weights.push_back(weight);
     }
     if (auto judged = root.map("judged")) {
-        Judgement& j = model.judged;
+        ValidationResult& j = model.validation;
         for (const auto& [name, error] : groups_of(j)) {
             if (auto one = judged->map(name)) {
                 error->sessions = static_cast<std::size_t>(one->whole("sessions", 0, 0, most));
                 error->mean_error = number(*one, "mean_error", {0, grades});
-                error->blind_error = number(*one, "blind_error", {0, grades});
+                error->baseline_error = number(*one, "blind_error", {0, grades});
                 error->rank = number(*one, "rank", {-1, 1});
                 one->finish();
             }
         }
-        j.right = number(*judged, "right", {0, 1});
-        j.blind_right = number(*judged, "blind_right", {0, 1});
+        j.accuracy = number(*judged, "right", {0, 1});
+        j.baseline_accuracy = number(*judged, "blind_right", {0, 1});
         j.brier = number(*judged, "brier", {0, 1});
         std::vector<YamlMap> bins = judged->list("calibration");
         if (bins.size() != j.calibration.size()) {
@@ -192,7 +192,7 @@ nlohmann::ordered_json to_json(const Score& score, const ScoreModel& model) {
                                {"of", grades},
                                {"chance", score.chance},
                                {"model", model.name},
-                               {"statement", statement_of(model)},
+                               {"statement", training_statement(model)},
                                {"contributions", nlohmann::ordered_json::array()}};
     for (const std::size_t j : by_size(score.contributions)) {
         out["contributions"].push_back({{"key", score_features()[j].key},
@@ -214,21 +214,21 @@ std::string to_table(const Score& score, const ScoreModel& model) {
         out += fmt::format("  {:+7.2f}  {}{}\n", shown(score.contributions[j]), label_of(score_features()[j]),
                            score.measured[j] ? "" : ": not reached, so it counts as the worst");
     }
-    return out + fmt::format("{}\n", statement_of(model));
+    return out + fmt::format("{}\n", training_statement(model));
 }
 
 std::string to_table(const ScoreModel& model) {
-    const Judgement& j = model.judged;
-    std::string out = fmt::format("{}\n", statement_of(model));
+    const ValidationResult& j = model.validation;
+    std::string out = fmt::format("{}\n", training_statement(model));
     out += "Judged on sessions of which the model saw neither the patient nor the operator:\n";
     for (const auto& [name, error] : groups_of(j)) {
         out +=
             fmt::format("  {} {}: error {:.2f} grades (always their mean: {:.2f}); rank correlation {:.2f}\n",
-                        error->sessions, name, error->mean_error, error->blind_error, error->rank);
+                        error->sessions, name, error->mean_error, error->baseline_error, error->rank);
     }
     out += fmt::format(
         "  grade 4 or 5 told right in {:.0f} % (always the more frequent: {:.0f} %); Brier {:.3f}\n",
-        100.0 * j.right, 100.0 * j.blind_right, j.brier);
+        100.0 * j.accuracy, 100.0 * j.baseline_accuracy, j.brier);
     out += fmt::format("  {:>10}{:>12}{:>12}\n", "sessions", "predicted", "observed");
     for (const CalibrationBin& bin : j.calibration) {
         if (bin.count > 0) {
@@ -244,10 +244,10 @@ std::string to_table(const ScoreModel& model) {
 }
 
 std::string to_html(const ScoreModel& model) {
-    // The plot's place in user units of the drawing.
+    // Position of the plot in the drawing's user units.
     constexpr double left = 40, top = 10, size = 300;
     std::string points;
-    for (const CalibrationBin& bin : model.judged.calibration) {
+    for (const CalibrationBin& bin : model.validation.calibration) {
         if (bin.count > 0) {
             const double x = left + size * bin.predicted, y = top + size * (1.0 - bin.observed);
             points += fmt::format(

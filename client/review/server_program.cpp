@@ -13,7 +13,7 @@
 
 namespace eti::review {
 
-void become_server(const std::vector<std::string>& arguments) {
+void exec_server(const std::vector<std::string>& arguments) {
     std::vector<std::string> words{"eti-server"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> pointers;
@@ -37,7 +37,7 @@ int run_server(const std::vector<std::string>& arguments) {
     if (child == 0) {
         const int nowhere = ::open("/dev/null", O_WRONLY);
         ::dup2(nowhere, STDOUT_FILENO);
-        become_server(arguments);
+        exec_server(arguments);
         ::_exit(no_program);
     }
     int status = 0;

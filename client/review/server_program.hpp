@@ -7,12 +7,12 @@
 
 namespace eti::review {
 
-/// Puts eti-server with these arguments in this program's place: the one beside it, or one in the PATH.
-/// Returns only where there is none; then it has said so.
-void become_server(const std::vector<std::string>& arguments);
+/// Replaces this process by eti-server with these arguments: the one in the same folder, or one in the
+/// PATH. Returns only if none was found, after reporting it.
+void exec_server(const std::vector<std::string>& arguments);
 
-/// Runs eti-server to its end, without its standard output. Its exit status, 128 and the signal that ended
-/// it, or 127 where there is none.
+/// Runs eti-server to completion, discarding its standard output. Returns its exit status, 128 plus the
+/// signal that ended it, or 127 if it was not found.
 [[nodiscard]] int run_server(const std::vector<std::string>& arguments);
 
 }  // namespace eti::review

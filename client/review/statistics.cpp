@@ -19,8 +19,8 @@ namespace {
 
 using Sample = std::vector<double>;
 
-/// The values less their mean: what a difference of means owes to each of them, and what is drawn from where
-/// no difference is supposed. Those that differ by rounding alone are equal.
+/// The values minus their mean: each value's contribution to a difference of means, and the population to
+/// draw from under the null hypothesis. Values that differ only by rounding are made equal.
 Sample centred(std::span<const double> values) {
     constexpr double rounding = 1e-10;
     const double mean = mean_of(values);
@@ -49,12 +49,13 @@ Drawn draw(const Sample& from, Random& random) {
     return {mean, std::max(0.0, squares / n - mean * mean) / (n - 1.0)};
 }
 
-/// What draws of the centred samples gave: differences about their own, and these studentised.
+/// Bootstrap draws from the centred samples: the differences, and the same studentised by each draw's own
+/// variance.
 struct Draws {
     Sample difference, t;
 };
 
-/// `parts`: centred samples; the first counts against the second, where there are two.
+/// `parts`: centred samples; the first is subtracted from the second, if there are two.
 Draws draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
     Draws draws;
     Random random(how.seed);
@@ -72,7 +73,7 @@ Draws draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
             variance += drawn.variance;
         }
         draws.difference.push_back(difference);
-        // Draws of one value over and over have a variance of rounding alone.
+        // Draws of a single repeated value have only rounding variance.
         const bool flat = std::sqrt(variance) < 1e-12 * scale;
         draws.t.push_back(!flat                                  ? difference / std::sqrt(variance)
                           : std::abs(difference) < 1e-12 * scale ? 0.0
@@ -81,7 +82,7 @@ Draws draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
     return draws;
 }
 
-/// Between the two nearest of sorted values.
+/// Interpolated between the two nearest sorted values.
 double quantile(const Sample& sorted, double share) {
     const double at = share * static_cast<double>(sorted.size() - 1);
     const std::size_t below = std::min(static_cast<std::size_t>(at), sorted.size() - 1);
@@ -89,7 +90,7 @@ double quantile(const Sample& sorted, double share) {
     return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-/// About a value of 0, of which `differences` were drawn.
+/// About a value of 0; `differences`: its bootstrap draws.
 Interval accelerated(const std::vector<Sample>& parts, Sample differences, double level) {
     std::ranges::sort(differences);
     const auto below = std::ranges::lower_bound(differences, 0.0) - differences.begin();
@@ -115,7 +116,7 @@ Interval accelerated(const std::vector<Sample>& parts, Sample differences, doubl
     return {end(0.5 * (1.0 - level)), end(0.5 * (1.0 + level))};
 }
 
-/// The non-centrality at which a t as small as this one has the probability `p`.
+/// The non-centrality at which a t at most this large has probability `p`.
 double non_centrality(double freedom, double t, double p) {
     const auto excess = [&](double at) {
         return boost::math::cdf(boost::math::non_central_t(freedom, at), t) - p;
@@ -132,10 +133,11 @@ double non_centrality(double freedom, double t, double p) {
     return 0.5 * (root.first + root.second);
 }
 
-/// `scale`: t over the standardised difference. Farther than this the distribution cannot be computed.
+/// `scale`: t divided by the standardised difference. Beyond `farthest` the distribution cannot be
+/// computed.
 void put_effect(Difference& into, double deviation, double scale, double freedom, double level) {
     constexpr double farthest = 35.0;
-    if (!(deviation > 0.0) || freedom < 2.0) {  // the correction for the bias begins at two
+    if (!(deviation > 0.0) || freedom < 2.0) {  // the bias correction requires at least two
         return;
     }
     const double unbiased =
@@ -148,7 +150,7 @@ void put_effect(Difference& into, double deviation, double scale, double freedom
     }
 }
 
-/// All but the effect, of samples whose means differ by `value`.
+/// All fields except the effect, for samples whose means differ by `value`.
 Difference bootstrapped(const std::vector<Sample>& parts, double value, const Bootstrap& how) {
     Difference out;
     out.value = value;
@@ -181,7 +183,7 @@ double mean_of(std::span<const double> values) {
                : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double deviation_of(std::span<const double> values) {
+double standard_deviation(std::span<const double> values) {
     if (values.size() < 2) {
         return no_value;
     }
@@ -198,9 +200,9 @@ Difference difference_between(std::span<const double> a, std::span<const double>
     }
     out = bootstrapped({centred(a), centred(b)}, out.value, how);
     const double n = static_cast<double>(a.size()), m = static_cast<double>(b.size());
-    const double pooled =
-        std::sqrt(((n - 1.0) * std::pow(deviation_of(a), 2) + (m - 1.0) * std::pow(deviation_of(b), 2)) /
-                  (n + m - 2.0));
+    const double pooled = std::sqrt(
+        ((n - 1.0) * std::pow(standard_deviation(a), 2) + (m - 1.0) * std::pow(standard_deviation(b), 2)) /
+        (n + m - 2.0));
     put_effect(out, pooled, std::sqrt(n * m / (n + m)), n + m - 2.0, how.level);
     return out;
 }
@@ -213,11 +215,11 @@ Difference difference_within(std::span<const double> differences, const Bootstra
     }
     out = bootstrapped({centred(differences)}, out.value, how);
     const double n = static_cast<double>(differences.size());
-    put_effect(out, deviation_of(differences), std::sqrt(n), n - 1.0, how.level);
+    put_effect(out, standard_deviation(differences), std::sqrt(n), n - 1.0, how.level);
     return out;
 }
 
-std::vector<double> holm(std::span<const double> p) {
+std::vector<double> holm_adjusted(std::span<const double> p) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < p.size(); ++i) {
         if (!std::isnan(p[i])) {
@@ -263,13 +265,13 @@ Agreement agreement(const std::vector<std::vector<double>>& scores, double level
     if (!(total > 0.0)) {
         return out;
     }
-    // Mean squares of rows, of raters and of what is left; the last not below zero by rounding.
+    // Mean squares of rows, raters and residual; the last is kept from becoming negative by rounding.
     const double msr = rows / (n - 1.0), msj = columns / (k - 1.0);
     const double mse = std::max(0.0, total - rows - columns) / ((n - 1.0) * (k - 1.0));
     out.single = (msr - mse) / (msr + (k - 1.0) * mse + k * (msj - mse) / n);
     out.mean = (msr - mse) / (msr + (msj - mse) / n);
     if (!(mse > 1e-12 * total)) {
-        return out;  // raters differ by constants alone: F is infinite
+        return out;  // raters differ only by constants: F is infinite
     }
     const double r = out.single, f = msj / mse;
     const double v = (k - 1.0) * (n - 1.0) * square(k * r * f + n * (1.0 + (k - 1.0) * r) - k * r) /

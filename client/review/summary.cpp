@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-#include "common/model/parameters_json.hpp"
+#include "common/model/attempt_metrics_json.hpp"
 #include "common/model/run.hpp"
 
 namespace eti::review {
@@ -20,12 +20,12 @@ nlohmann::ordered_json outcome_json(const Summary& summary, const session::Summa
     out["success"] = summary.outcome_known(record) ? nlohmann::ordered_json(record.outcome.success)
                                                    : nlohmann::ordered_json(nullptr);
     out["reason"] = record.outcome.reason;
-    out["parameters"] = parameters_to_json(record.parameters);
+    out["parameters"] = metrics_to_json(record.metrics);
     return out;
 }
 
-/// What the last steps tell of the tube.
-std::string tube_so_far(std::span<const session::StepRecord> steps) {
+/// Position of the tube by the last steps.
+std::string last_tube_position(std::span<const session::StepRecord> steps) {
     const auto past = [](const session::StepRecord& step) { return step.tube_depth_past_glottis > 0.0f; };
     const auto last = std::find_if(steps.rbegin(), steps.rend(), past);
     if (last == steps.rend()) {
@@ -41,10 +41,10 @@ std::string tube_so_far(std::span<const session::StepRecord> steps) {
                        1e3 * static_cast<double>(steps.back().tube_depth_past_glottis));
 }
 
-/// A run that nobody summed up, from what its steps say.
+/// Reconstructs the summary of an interrupted run from its steps.
 void sum_up(Summary& summary, std::span<const session::StepRecord> steps) {
-    for (const ParameterField& field : parameter_fields) {
-        summary.run.parameters.*field.value = std::numeric_limits<double>::quiet_NaN();
+    for (const MetricField& field : metric_fields) {
+        summary.run.metrics.*field.value = std::numeric_limits<double>::quiet_NaN();
     }
     const std::string_view ends =
         summary.live ? "the session is still being recorded, up to now" : "the recording ends";
@@ -54,22 +54,23 @@ void sum_up(Summary& summary, std::span<const session::StepRecord> steps) {
     }
     const session::StepRecord& last = steps.back();
     summary.run.outcome.reason = fmt::format("{} at {:.1f} s, before the run was summed up; {}", ends,
-                                             seconds_of(last), tube_so_far(steps));
-    summary.run.parameters = last.parameters;
+                                             seconds_of(last), last_tube_position(steps));
+    summary.run.metrics = last.metrics;
     if (!last.attempt_running) {
         return;
     }
-    session::SummaryRecord open{last.attempt, {false, summary.run.outcome.reason}, last.parameters};
-    summary.open_attempt = last.attempt;
-    // Between attempts a step holds the run so far.
+    session::SummaryRecord open{last.attempt, {false, summary.run.outcome.reason}, last.metrics};
+    summary.unfinished_attempt = last.attempt;
+    // Between attempts a step contains the run so far.
     const auto outside = std::find_if(steps.rbegin(), steps.rend(),
                                       [](const session::StepRecord& step) { return !step.attempt_running; });
     if (last.attempt > 1 && outside != steps.rend()) {
         constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-        const RunPart parts[] = {{outside->parameters, {outside->parameters.time_s, unknown, unknown}, false},
-                                 {last.parameters, {last.parameters.time_s, unknown, unknown}, false}};
-        summary.run.parameters = combine(parts);
-        summary.run.parameters.head_elevation_deg = unknown;  // which passage was the last is not recorded
+        const RunPart parts[] = {{outside->metrics, {outside->metrics.time_s, unknown, unknown}, false},
+                                 {last.metrics, {last.metrics.time_s, unknown, unknown}, false}};
+        summary.run.metrics = combine(parts);
+        summary.run.metrics.head_elevation_deg = unknown;  // the recording does not say which passage was
+                                                           // the last
     }
     summary.attempts.push_back(std::move(open));
 }
@@ -83,7 +84,7 @@ Summary summarise(const std::filesystem::path& file) {
     summary.info = reader.info();
     summary.duration = reader.duration();
     summary.finished = reader.finished();
-    summary.live = reader.live();
+    summary.live = reader.is_being_recorded();
     summary.lost_records = reader.lost_records();
     for (session::SummaryRecord& record : reader.summaries()) {
         if (record.attempt == 0) {

@@ -13,7 +13,7 @@
 
 namespace eti::review {
 
-/// What became of a session, as its file tells.
+/// Summary of a session file.
 struct Summary {
     std::filesystem::path file;
     session::SessionInfo info;
@@ -22,16 +22,16 @@ struct Summary {
     bool live = false;      ///< being recorded
     std::uint64_t lost_records = 0;
     bool has_run = false;  ///< whether the file holds a summary of the run
-    /// Without a summary the outcome is unknown: the reason says what is known, and the parameters are those
-    /// of the last step. NaN for means over several attempts, whose weights a file does not hold.
+    /// Without a summary the outcome is unknown: the reason states what is known, and the metrics are those
+    /// of the last step. NaN for means over several attempts, whose weights a file does not contain.
     session::SummaryRecord run;
     std::vector<session::SummaryRecord> attempts;
-    std::uint32_t open_attempt = 0;  ///< the attempt that went on as the recording ended; 0: none
+    std::uint32_t unfinished_attempt = 0;  ///< attempt in progress when the recording ended; 0: none
     [[nodiscard]] bool outcome_known(const session::SummaryRecord& record) const {
-        return record.outcome.known && (record.attempt == 0 ? has_run : record.attempt != open_attempt);
+        return record.outcome.known && (record.attempt == 0 ? has_run : record.attempt != unfinished_attempt);
     }
-    std::vector<session::EventRecord> remarks;  ///< what was written, pointed at and drawn, in words
-    std::vector<session::Rating> ratings;       ///< of instructors, afterwards
+    std::vector<session::EventRecord> remarks;  ///< notes, pointers and drawings, as text
+    std::vector<session::Rating> ratings;       ///< by instructors, after the session
     std::vector<session::Answer> answers;       ///< of the participant to questionnaires
 };
 
@@ -43,20 +43,20 @@ struct Summary {
 /// Throws hdf5::Error.
 [[nodiscard]] Summary summarise(const std::filesystem::path& file);
 
-/// What a session was, into an object: its names, version, length and how far it is recorded.
+/// Adds a session's names, version, duration and recording status to an object.
 void put_session(nlohmann::ordered_json& into, const Summary& summary);
 
 /// "success", "no success" or "unknown".
 [[nodiscard]] std::string_view outcome_word(const Summary& summary, const session::SummaryRecord& record);
 
-/// One object; NaN becomes null, and so does the success of what is not known.
+/// One object; NaN becomes null, as does an unknown success.
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
 
 [[nodiscard]] nlohmann::ordered_json ratings_json(const std::vector<session::Rating>& ratings);
 [[nodiscard]] nlohmann::ordered_json answers_json(const std::vector<session::Answer>& answers);
 
-/// For people to read: the twelve parameters of the paper first, then the others; a column for the run
-/// and one for each attempt.
+/// Plain text: the twelve parameters of the paper first, then the other metrics; one column for the run and
+/// one per attempt.
 [[nodiscard]] std::string to_table(const Summary& summary);
 
 }  // namespace eti::review

@@ -11,8 +11,8 @@ namespace eti::review {
 
 namespace {
 
-/// Attempts side by side that leave the table within 100 columns; more go into further tables.
-constexpr std::size_t attempts_abreast = 3;
+/// Number of attempts that fits a table into 100 columns; more go into further tables.
+constexpr std::size_t attempts_per_block = 3;
 constexpr int value_width = 11;
 
 /// Counts and grades without decimals.
@@ -30,13 +30,13 @@ std::string column_title(const session::SummaryRecord& record) {
 
 void add_rows(std::string& out, std::span<const session::SummaryRecord* const> columns,
               std::size_t label_width, bool in_paper) {
-    for (const ParameterField& field : parameter_fields) {
+    for (const MetricField& field : metric_fields) {
         if (field.in_paper != in_paper) {
             continue;
         }
         out += fmt::format("  {:<{}}  {:<5}", field.label, label_width, field.unit);
         for (const session::SummaryRecord* record : columns) {
-            out += fmt::format("{:>{}}", value_text(record->parameters.*field.value), value_width);
+            out += fmt::format("{:>{}}", value_text(record->metrics.*field.value), value_width);
         }
         out += '\n';
     }
@@ -44,7 +44,7 @@ void add_rows(std::string& out, std::span<const session::SummaryRecord* const> c
 
 std::string one_table(std::span<const session::SummaryRecord* const> columns) {
     std::size_t label_width = 0;
-    for (const ParameterField& field : parameter_fields) {
+    for (const MetricField& field : metric_fields) {
         label_width = std::max(label_width, field.label.size());
     }
     std::string titles = std::string(label_width + 2 + 5, ' ');
@@ -84,7 +84,7 @@ std::string to_table(const Summary& summary) {
         if (first == 0) {
             columns.push_back(&summary.run);
         }
-        for (; first < summary.attempts.size() && columns.size() < attempts_abreast + 1; ++first) {
+        for (; first < summary.attempts.size() && columns.size() < attempts_per_block + 1; ++first) {
             columns.push_back(&summary.attempts[first]);
         }
         out += '\n' + one_table(columns);

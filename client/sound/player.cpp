@@ -23,7 +23,7 @@ namespace {
 
 constexpr auto period = std::chrono::milliseconds(5);
 
-// As 16-bit numbers: every device takes them.
+// 16-bit samples, which every device supports.
 ALuint buffer_of(const std::vector<float>& samples) {
     std::vector<std::int16_t> numbers;
     numbers.reserve(samples.size());
@@ -76,15 +76,14 @@ struct Player::Impl {
                 const std::scoped_lock lock(mutex);
                 heard = cue;
             }
-            play(score.advance(std::chrono::duration<double>(now - last).count(), heard));
+            play(scheduler.advance(std::chrono::duration<double>(now - last).count(), heard));
             last = now;
         }
     }
 
-    void play(const Sounding& now) {
+    void play(const SoundEvents& now) {
         if (now.beep_hz) {
-            // Tenths of a percent of saturation lie 1.5 Hz apart and cannot be told apart: whole hertz will
-            // do.
+            // A tenth of a percent of saturation is 1.5 Hz, which is inaudible: whole hertz suffice.
             const long pitch = std::lround(*now.beep_hz);
             auto known = beeps.find(pitch);
             if (known == beeps.end()) {
@@ -112,7 +111,7 @@ struct Player::Impl {
     std::map<long, ALuint> beeps;     // by pitch [Hz]
     ALuint clicked = 0, sucking = 0;
     bool sucks = false;
-    Score score;
+    SoundScheduler scheduler;
     std::mutex mutex;
     Cue cue;
     std::atomic<bool> ending{false};
@@ -138,7 +137,7 @@ std::unique_ptr<Player> Player::open(float volume) {
     return std::unique_ptr<Player>(new Player(std::make_unique<Impl>(device, context, volume)));
 }
 
-void Player::hear(const Cue& cue) {
+void Player::set_cue(const Cue& cue) {
     const std::scoped_lock lock(impl_->mutex);
     impl_->cue = cue;
 }

@@ -4,22 +4,21 @@
 
 #include <memory>
 
-#include "client/sound/score.hpp"
+#include "client/sound/sound_scheduler.hpp"
 
 namespace eti::sound {
 
-/// Plays what a session sounds like, by OpenAL, on a thread of its own: beats stay even however long a
-/// picture takes.
+/// Plays a session's sounds with OpenAL on its own thread: beats stay regular whatever the frame time.
 class Player {
   public:
-    /// Null where there is no device to play on. `volume` from 0 to 1.
+    /// Null if there is no audio device. `volume` from 0 to 1.
     [[nodiscard]] static std::unique_ptr<Player> open(float volume);
     ~Player();
     Player(const Player&) = delete;
     Player& operator=(const Player&) = delete;
 
-    /// What is to be heard from now on.
-    void hear(const Cue& cue);
+    /// Sets the sounds to play from now on.
+    void set_cue(const Cue& cue);
 
   private:
     struct Impl;

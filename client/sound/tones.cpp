@@ -28,13 +28,13 @@ double time_of(std::size_t sample) {
     return static_cast<double>(sample) / sample_rate;
 }
 
-// 0 at both ends of a sound of `length` [s], 1 in between, by half a period of a cosine.
+// Raised-cosine fade: 0 at both ends of a sound of `length` [s], 1 in between.
 double fade(double time, double length, double ramp) {
     const double from_end = std::clamp(std::min(time, length - time) / ramp, 0.0, 1.0);
     return 0.5 - 0.5 * std::cos(std::numbers::pi * from_end);
 }
 
-// Share of the way that a low pass of first order goes in a sample.
+// Coefficient of a first-order low pass, per sample.
 double share_of(double cutoff_hz) {
     return 1.0 - std::exp(-tau * cutoff_hz / sample_rate);
 }
@@ -76,8 +76,8 @@ std::vector<float> suction() {
         lower += share_of(lowest_hz) * (low - lower);
         sample = low - lower;
     }
-    // What comes after the end is faded into the beginning, so that the end goes on there. Shares of equal
-    // power.
+    // The samples beyond the end are cross-faded into the beginning with equal power, so that the loop is
+    // seamless.
     std::vector<float> out(length);
     for (std::size_t i = 0; i < length; ++i) {
         const double share = i < seam ? static_cast<double>(i) / static_cast<double>(seam) : 1.0;

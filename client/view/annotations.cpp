@@ -9,7 +9,7 @@
 
 #include "client/view/scene_view.hpp"
 #include "client/view/text.hpp"
-#include "common/model/give_way.hpp"
+#include "common/model/tools/blade_clearance_deformer.hpp"
 
 namespace eti::view {
 
@@ -27,7 +27,7 @@ std::optional<Annotation> decode(const msg::ShownAnnotation& message, std::strin
     }
     for (const msg::SurfacePlace& place : sent.places()) {
         out.places.push_back({place.triangle(), place.u(), place.v(), place.height()});
-        if (!out.places.back().sound()) {
+        if (!out.places.back().is_valid()) {
             why = "a place that is not on its triangle";
             return std::nullopt;
         }
@@ -43,7 +43,8 @@ std::optional<Annotation> decode(const msg::ShownAnnotation& message, std::strin
     return out;
 }
 
-std::optional<Vec3f> where_now(const SceneView& scene, const std::string& object, const SurfacePlace& place) {
+std::optional<Vec3f> current_position(const SceneView& scene, const std::string& object,
+                                      const SurfacePlace& place) {
     const auto at = [&](const TriangleMesh& mesh, const auto& corner) -> std::optional<Vec3f> {
         if (place.triangle >= mesh.triangles.size()) {
             return std::nullopt;
@@ -67,7 +68,8 @@ std::optional<Vec3f> where_now(const SceneView& scene, const std::string& object
         return skin_point(surface->mesh.vertices[v], surface->skin[v], scene.frame_maps());
     };
     if (scene.laryngoscope_pose() && scene.keys() && !is_bone(surface->tissue)) {
-        const PlacedGiveWay give_way{{plate_of(scene.keys()->laryngoscope())}, *scene.laryngoscope_pose()};
+        const PosedBladeClearanceDeformer give_way{{plate_of(scene.keys()->laryngoscope())},
+                                                   *scene.laryngoscope_pose()};
         return at(surface->mesh, [&](std::uint32_t v) -> Vec3f { return give_way(still(v)); });
     }
     return at(surface->mesh, still);

@@ -15,28 +15,28 @@ namespace eti::view {
 
 class SceneView;
 
-/// What an instructor or observer wrote, points at or drew.
+/// A note, pointer or drawing of an instructor or observer.
 struct Annotation {
-    std::uint64_t time_ns = 0;  ///< simulation time at which the server took it
+    std::uint64_t time_ns = 0;  ///< simulation time at which the server accepted it
     msg::AnnotationKind kind = msg::ANNOTATION_NOTE;
     std::string sender;
     std::string text;
-    std::string object;  ///< on which the places lie
+    std::string object;  ///< carries the places
     std::vector<SurfacePlace> places;
 };
 
-/// By slot: what of a session is shown now.
+/// By slot: the annotations shown now.
 using Annotations = std::map<std::uint32_t, Annotation>;
 
-/// What a message holds; nothing, and `why`, when it cannot be right.
+/// Decodes a message; nullopt if it is invalid, with the reason in `why`.
 [[nodiscard]] std::optional<Annotation> decode(const msg::ShownAnnotation& message, std::string& why);
 
-/// Where a place is now [m], as drawn: of tissue where it gives way to the blade, of the blade as it is held.
-/// Nothing where the scene has no such place. As of the last update().
-[[nodiscard]] std::optional<Vec3f> where_now(const SceneView& scene, const std::string& object,
-                                             const SurfacePlace& place);
+/// Current position of a place [m], as drawn: on tissue including its displacement by the blade, on the
+/// blade at its pose. nullopt if the scene has no such place. As of the last update().
+[[nodiscard]] std::optional<Vec3f> current_position(const SceneView& scene, const std::string& object,
+                                                    const SurfacePlace& place);
 
-/// The object that stands for the blade.
+/// Object name of the blade.
 inline constexpr const char* laryngoscope_object = "laryngoscope";
 
 }  // namespace eti::view

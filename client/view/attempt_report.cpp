@@ -11,7 +11,7 @@ namespace eti::view {
 
 std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bus::SessionKeys& keys,
                                     std::string& why) {
-    // NaN stands for what an attempt does not have.
+    // NaN marks values that an attempt does not have.
     if (std::ranges::any_of(message.parameters(), [](double value) { return std::isinf(value); })) {
         why = "an infinite parameter";
         return std::nullopt;
@@ -21,8 +21,8 @@ std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bu
     report.ended_ns = message.header().simulation_time_ns();
     report.outcome.success = message.success();
     report.outcome.reason = message.reason().to_string();
-    report.parameters = keys.parameters(message.parameters());
-    report.outcome.known = airway_measured(report.parameters);
+    report.metrics = keys.metrics(message.parameters());
+    report.outcome.known = airway_measured(report.metrics);
     if (!printable(report.outcome.reason)) {
         why = "a reason with control characters";
         return std::nullopt;

@@ -6,21 +6,21 @@
 #include <optional>
 #include <string>
 
-#include "common/bus/session_keys.hpp"
-#include "common/model/parameters.hpp"
+#include "common/bus/security/session_keys.hpp"
+#include "common/model/attempt_metrics.hpp"
 
 namespace eti::view {
 
-/// How an attempt, or the whole run, ended.
+/// Outcome of an attempt, or of the whole run.
 struct AttemptReport {
     std::uint32_t attempt = 0;   ///< 0: the whole run
     std::uint64_t ended_ns = 0;  ///< simulation time
     Outcome outcome;
-    Parameters parameters;
+    AttemptMetrics metrics;
 };
 
-/// Checks what a message claims: parameters are finite or NaN, and the reason can be printed. Nothing on
-/// refusal; `why` then says what was wrong. `keys`: which value is which.
+/// Validates a message: metrics must be finite or NaN, the reason printable. Returns nullopt if rejected,
+/// with the reason in `why`. `keys`: identifies the values.
 [[nodiscard]] std::optional<AttemptReport> decode(const msg::AttemptSummary& message,
                                                   const bus::SessionKeys& keys, std::string& why);
 

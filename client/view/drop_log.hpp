@@ -8,8 +8,8 @@
 
 namespace eti::view {
 
-/// Counts messages that were refused and says so at most once a second, so that a sender of rubbish
-/// cannot flood the log.
+/// Counts rejected messages and logs at most one per second, so that a sender of invalid data cannot flood
+/// the log.
 class DropLog {
   public:
     void note(std::string_view topic, std::string_view why);

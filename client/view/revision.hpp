@@ -7,8 +7,8 @@
 
 namespace eti::view {
 
-/// A number that no shape of this process had before. A scene and its copy that go on apart then never have
-/// the same number for different shapes, and whoever holds one of them elsewhere can tell.
+/// Returns a number unique in this process. A scene and its diverging copy never share a revision for
+/// different shapes, so that caches can detect changes.
 [[nodiscard]] inline std::uint64_t next_revision() {
     static std::atomic<std::uint64_t> last{0};
     return ++last;

@@ -19,7 +19,7 @@ bool read_points(const std::vector<float>& flat, std::vector<Vec3f>& points, std
     for (std::size_t i = 0; i < flat.size(); i += 3) {
         const Vec3f point(flat[i], flat[i + 1], flat[i + 2]);
         if (!plausible(point)) {
-            why = fmt::format("vertex {} is not finite or lies beyond {} m", i / 3, farthest_coordinate);
+            why = fmt::format("vertex {} is not finite or lies beyond {} m", i / 3, max_coordinate);
             return false;
         }
         points.push_back(point);
@@ -99,7 +99,7 @@ bool read_skin(const msg::SceneDescription& message, RestSurface& surface, std::
         }
         for (std::size_t k = 0; k < frames_per_point; ++k) {
             const bool used = weights[first + k] > 0;
-            // Normalised here, so that rounding neither shrinks nor swells the surface.
+            // Normalised here, so that rounding neither shrinks nor inflates the surface.
             surface.skin[v].weight[k] = static_cast<float>(weights[first + k]) / static_cast<float>(sum);
             surface.skin[v].frame[k] = used ? frames[first + k] : std::uint16_t{0};
             surface.highest_frame = std::max(surface.highest_frame, surface.skin[v].frame[k]);
@@ -121,8 +121,8 @@ std::optional<SceneObject> decode_surface(const msg::SceneDescription& message, 
 }  // namespace
 
 bool plausible(const Vec3f& point) {
-    // Written so that a NaN fails it.
-    return point.cwiseAbs().maxCoeff() <= farthest_coordinate && point.allFinite();
+    // Written so that NaN is rejected.
+    return point.cwiseAbs().maxCoeff() <= max_coordinate && point.allFinite();
 }
 
 std::optional<SceneObject> decode(const msg::SceneDescription& message, std::string& why) {

@@ -37,14 +37,14 @@ struct ToolMesh {
 
 using SceneObject = std::variant<RestFrames, RestSurface, ToolMesh>;
 
-/// Coordinates beyond this [m] from the patient's gum are taken for damage on the way, not for anatomy.
-inline constexpr float farthest_coordinate = 10.0f;
+/// Coordinates beyond this [m] from the patient's gum are treated as corrupt.
+inline constexpr float max_coordinate = 10.0f;
 
-/// Checks everything a message claims before anything is kept: sizes that match, indices in range,
-/// finite coordinates. Nothing on refusal; `why` then says what was wrong.
+/// Validates a message before anything is stored: matching sizes, indices in range, finite coordinates.
+/// Returns nullopt if rejected, with the reason in `why`.
 [[nodiscard]] std::optional<SceneObject> decode(const msg::SceneDescription& message, std::string& why);
 
-/// Finite and within `farthest_coordinate`.
+/// Finite and within `max_coordinate`.
 [[nodiscard]] bool plausible(const Vec3f& point);
 
 }  // namespace eti::view

@@ -10,21 +10,21 @@
 #include <spdlog/spdlog.h>
 
 #include "client/view/text.hpp"
-#include "common/bus/convert.hpp"
-#include "common/bus/fluid_state.hpp"
+#include "common/bus/codec/convert.hpp"
+#include "common/bus/codec/fluid_state.hpp"
 
 namespace eti::view {
 namespace {
 
 constexpr float quaternion_unit = 32767.0f;
-// Time this far [ns] behind the newest is no late datagram: the session began anew.
+// Time this far [ns] behind the newest is not a late datagram: the session restarted.
 constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
 
 Vec3f vector_of(const msg::Vec3& v) {
     return {v.x(), v.y(), v.z()};
 }
 
-// A unit quaternion within what rounding and transport may do to it.
+// A unit quaternion, within the tolerance of rounding and transport.
 std::optional<Quatf> unit_quaternion(float w, float x, float y, float z) {
     const Quatf q(w, x, y, z);
     const float norm = q.norm();
@@ -61,7 +61,7 @@ std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
 
 }  // namespace
 
-bool SceneView::refuse(const char* topic, const std::string& why) {
+bool SceneView::reject(const char* topic, const std::string& why) {
     drops_.note(topic, why);
     return false;
 }
@@ -70,13 +70,13 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     std::string why;
     auto keys = bus::SessionKeys::of(message, why);
     if (!keys) {
-        return refuse("eti/session_description", why);
+        return reject("eti/session_description", why);
     }
     if (!printable(message.scenario().to_string()) || !printable(message.description().to_string())) {
-        return refuse("eti/session_description", "a name or description with control characters");
+        return reject("eti/session_description", "a name or description with control characters");
     }
-    if (!keys->unlike().empty()) {
-        spdlog::warn("{}", keys->unlike());
+    if (!keys->key_mismatch().empty()) {
+        spdlog::warn("{}", keys->key_mismatch());
     }
     keys_ = std::move(keys);
     liquid_detail_.set_kind(properties_of(keys_->liquid()));
@@ -99,15 +99,15 @@ bool SceneView::apply(const msg::SceneDescription& message) {
     std::string why;
     auto object = decode(message, why);
     if (!object) {
-        return refuse("eti/scene", fmt::format("object '{}': {}", name, why));
+        return reject("eti/scene", fmt::format("object '{}': {}", name, why));
     }
     if (message.object_count() == 0 || message.object_count() > 4096) {
-        return refuse("eti/scene",
+        return reject("eti/scene",
                       fmt::format("object '{}': a scene of {} objects", name, message.object_count()));
     }
     const auto* surface = std::get_if<RestSurface>(&*object);
     if (surface != nullptr && !rest_centres_.empty() && surface->highest_frame >= rest_centres_.size()) {
-        return refuse("eti/scene", fmt::format("object '{}': frame {} of {}", name, surface->highest_frame,
+        return reject("eti/scene", fmt::format("object '{}': frame {} of {}", name, surface->highest_frame,
                                                rest_centres_.size()));
     }
     if (message.object_count() != object_count_) {
@@ -189,28 +189,28 @@ void SceneView::note_time(std::uint64_t time_ns) {
 
 bool SceneView::apply(const msg::DeformationState& message) {
     if (message.chunks() == 0 || message.chunk() >= message.chunks()) {
-        return refuse("eti/deformation", fmt::format("chunk {} of {}", message.chunk(), message.chunks()));
+        return reject("eti/deformation", fmt::format("chunk {} of {}", message.chunk(), message.chunks()));
     }
-    // Before the frames' rest centres are known a chunk means nothing; the slow refresh repeats it.
+    // Without the frames' rest centres a chunk is unusable; the slow refresh repeats it.
     const bool usable = !rest_centres_.empty();
     decoded_.clear();
     for (const msg::FrameUpdate& update : message.frames()) {
         if (usable && update.frame() >= frames_.size()) {
-            return refuse("eti/deformation", fmt::format("frame {} of {}", update.frame(), frames_.size()));
+            return reject("eti/deformation", fmt::format("frame {} of {}", update.frame(), frames_.size()));
         }
         const auto pose = pose_of(update);
         if (!pose) {
-            return refuse("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
+            return reject("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
         }
         decoded_.push_back(*pose);
     }
     for (const msg::Vec3& node : message.tube_nodes()) {
         if (!plausible(vector_of(node))) {
-            return refuse("eti/deformation", "impossible tube node");
+            return reject("eti/deformation", "impossible tube node");
         }
     }
     if (message.tube_nodes().size() == 1) {
-        return refuse("eti/deformation", "a tube of one node");
+        return reject("eti/deformation", "a tube of one node");
     }
     const std::uint64_t time = message.header().simulation_time_ns();
     note_time(time);
@@ -219,7 +219,7 @@ bool SceneView::apply(const msg::DeformationState& message) {
         const auto same_node = [](const Vec3f& known, const msg::Vec3& node) {
             return known == vector_of(node);
         };
-        // Each state repeats the nodes of a tube at rest.
+        // Every state repeats the nodes of a resting tube.
         if (!std::ranges::equal(tube_nodes_, message.tube_nodes(), same_node)) {
             tube_nodes_.clear();
             for (const msg::Vec3& node : message.tube_nodes()) {
@@ -233,14 +233,14 @@ bool SceneView::apply(const msg::DeformationState& message) {
     }
     for (std::size_t i = 0; i < decoded_.size(); ++i) {
         const std::size_t f = message.frames()[i].frame();
-        // Datagrams may overtake each other; an older pose never replaces a newer one.
+        // Datagrams may arrive out of order; an older pose never replaces a newer one.
         if (time < frame_time_ns_[f]) {
             continue;
         }
         frame_time_ns_[f] = time;
         heard_count_ += heard_[f] == 0 ? 1 : 0;
         heard_[f] = 1;
-        // The slow refresh repeats what is known.
+        // The slow refresh repeats known poses.
         if (!same(frames_[f], decoded_[i])) {
             frames_[f] = decoded_[i];
             moved_[f] = 1;
@@ -252,8 +252,8 @@ bool SceneView::apply(const msg::DeformationState& message) {
 
 bool SceneView::apply(const msg::FluidState& message) {
     arriving_.clear();
-    if (!bus::take_fluid_chunk(message, farthest_coordinate, arriving_)) {
-        return refuse("eti/fluid", fmt::format("impossible chunk {} of {} with {} numbers", message.chunk(),
+    if (!bus::decode_fluid_chunk(message, max_coordinate, arriving_)) {
+        return reject("eti/fluid", fmt::format("impossible chunk {} of {} with {} numbers", message.chunk(),
                                                message.chunks(), message.places().size()));
     }
     const std::uint64_t time = message.header().simulation_time_ns();
@@ -266,7 +266,7 @@ bool SceneView::apply(const msg::FluidState& message) {
         liquid_chunks_.resize(message.chunks());
         liquid_spacing_ = message.spacing();
     }
-    // A chunk that was lost leaves its part of the liquid where it was.
+    // A lost chunk leaves its part of the liquid unchanged.
     if (message.chunk() < liquid_chunks_.size() && time >= liquid_chunks_[message.chunk()].time_ns) {
         LiquidChunk& chunk = liquid_chunks_[message.chunk()];
         chunk.time_ns = time;
@@ -276,7 +276,7 @@ bool SceneView::apply(const msg::FluidState& message) {
     return true;
 }
 
-/// The state that was arriving is as whole as it gets.
+/// Applies the state being received; no more of its chunks will arrive.
 void SceneView::advance_liquid() {
     if (liquid_time_ns_ == 0) {
         return;
@@ -303,15 +303,15 @@ void SceneView::advance_liquid() {
 bool SceneView::apply(const msg::ProxyState& message) {
     const auto pose = transform_of(message.proxy());
     if (!pose) {
-        return refuse("eti/proxy", "impossible pose");
+        return reject("eti/proxy", "impossible pose");
     }
-    // The middle of the contacts with the upper gum, by their forces.
+    // Centroid of the contacts with the upper gum, weighted by force.
     Vec3f moment = Vec3f::Zero();
     float force = 0.0f;
     for (const msg::ShellContact& contact : message.contacts()) {
         const Vec3f position = bus::from_msg(contact.position());
         if (!plausible(position) || !std::isfinite(contact.force())) {
-            return refuse("eti/proxy", "an impossible contact");
+            return reject("eti/proxy", "an impossible contact");
         }
         if (contact.tissue() == static_cast<std::uint32_t>(Tissue::upper_gum) && contact.force() > 0.0f) {
             moment += contact.force() * position;
@@ -325,49 +325,49 @@ bool SceneView::apply(const msg::ProxyState& message) {
 }
 
 bool SceneView::apply(const msg::LiveMetrics& message) {
-    // Without the description nothing tells which value is which.
+    // Without the description the values cannot be identified.
     if (!keys_) {
         return false;
     }
     const auto points = keys_->landmarks(message);
     if (!points || !std::ranges::all_of(*points, plausible)) {
-        return refuse("eti/live_metrics", "landmarks that are missing or impossible");
+        return reject("eti/live_metrics", "landmarks that are missing or impossible");
     }
     if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
-        return refuse("eti/live_metrics", "gum force or glottic opening is not finite");
+        return reject("eti/live_metrics", "gum force or glottic opening is not finite");
     }
     if (!std::ranges::all_of(message.live(), [](float value) { return std::isfinite(value); })) {
-        return refuse("eti/live_metrics", "a value that lives is not finite");
+        return reject("eti/live_metrics", "a runtime parameter is not finite");
     }
     if (!printable(message.message().to_string())) {
-        return refuse("eti/live_metrics", "a message with control characters");
+        return reject("eti/live_metrics", "a message with control characters");
     }
     std::vector<Vec3f> contour;
     std::ranges::transform(message.glottis_contour(), std::back_inserter(contour),
                            [](const msg::Vec3& p) { return bus::from_msg(p); });
     if (!std::ranges::all_of(contour, plausible)) {
-        return refuse("eti/live_metrics", "an impossible contour of the glottis");
+        return reject("eti/live_metrics", "an impossible contour of the glottis");
     }
     std::optional<RigidTransform> eye;
     if (message.eye_heard()) {
         eye = transform_of(message.eye());
         if (!eye) {
-            return refuse("eti/live_metrics", "an impossible eye");
+            return reject("eti/live_metrics", "an impossible eye");
         }
     }
     note_time(message.header().simulation_time_ns());
-    trainees_eye_ = eye;
+    trainee_eye_ = eye;
     landmarks_ = *points;
     live_landmarks_ = true;
     metrics_ = message;
     glottis_contour_ = std::move(contour);
-    live_ = keys_->live(message);
+    live_ = keys_->runtime_parameters(message);
     return true;
 }
 
 bool SceneView::apply(const msg::SessionStatus& message) {
     if (!std::isfinite(message.load()) || !std::isfinite(message.behind_s())) {
-        return refuse("eti/session_status", "load or delay is not finite");
+        return reject("eti/session_status", "load or delay is not finite");
     }
     status_ = message;
     return true;
@@ -380,10 +380,10 @@ bool SceneView::apply(const msg::AttemptSummary& message) {
     std::string why;
     auto report = decode(message, *keys_, why);
     if (!report) {
-        return refuse("eti/attempt_summary", fmt::format("attempt {}: {}", message.attempt(), why));
+        return reject("eti/attempt_summary", fmt::format("attempt {}: {}", message.attempt(), why));
     }
-    // The bus keeps one of each attempt, and who joins late gets them all. Their time is of no use here: it
-    // lies in the past.
+    // The bus keeps one per attempt, and late joiners receive them all. Their time is ignored, as it lies
+    // in the past.
     if (report->attempt == 0) {
         run_report_ = std::move(report);
     } else if (!attempt_report_ || report->attempt >= attempt_report_->attempt) {
@@ -393,10 +393,10 @@ bool SceneView::apply(const msg::AttemptSummary& message) {
 }
 
 bool SceneView::apply(const msg::ShownAnnotation& message) {
-    // Far more than a server keeps: what is beyond is somebody's mistake.
+    // Far more than a server keeps: a higher slot is an error.
     constexpr std::uint32_t most_slots = 256;
     if (message.slot() >= most_slots) {
-        return refuse("eti/shown_annotation", fmt::format("slot {}", message.slot()));
+        return reject("eti/shown_annotation", fmt::format("slot {}", message.slot()));
     }
     if (message.what().kind() == msg::ANNOTATION_CLEAR) {
         annotations_.erase(message.slot());
@@ -405,7 +405,7 @@ bool SceneView::apply(const msg::ShownAnnotation& message) {
     std::string why;
     auto annotation = decode(message, why);
     if (!annotation) {
-        return refuse("eti/shown_annotation", why);
+        return reject("eti/shown_annotation", why);
     }
     annotations_[message.slot()] = std::move(*annotation);
     return true;
@@ -454,7 +454,7 @@ const RestSurface* SceneView::rest_surface(const std::string& name) const {
     return found == surfaces_.end() ? nullptr : &found->second.model();
 }
 
-bool SceneView::shaped() const {
+bool SceneView::has_all_frames() const {
     return complete() && heard_count_ == heard_.size();
 }
 

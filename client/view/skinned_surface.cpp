@@ -15,8 +15,8 @@ Vec3f unit(const Vec3f& normal) {
     return length > 1e-20f ? Vec3f(normal / length) : Vec3f::UnitZ();
 }
 
-// Entries without weight name a frame that has some, so that whoever asks whether a frame of a vertex has
-// moved need not look at weights.
+// Entries without weight name a frame that has weight, so that a test for moved frames need not check
+// weights.
 std::shared_ptr<const RestSurface> with_used_frames(RestSurface model) {
     for (SkinWeights& skin : model.skin) {
         const auto heaviest = std::ranges::max_element(skin.weight) - skin.weight.begin();
@@ -62,7 +62,7 @@ SkinnedSurface::SkinnedSurface(RestSurface model)
     }
     for (std::size_t f = 0; f < carries.size(); ++f) {
         if (carries[f] != 0) {
-            carriers_.push_back(static_cast<std::uint16_t>(f));
+            used_frames_.push_back(static_cast<std::uint16_t>(f));
         }
     }
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
@@ -72,13 +72,13 @@ SkinnedSurface::SkinnedSurface(RestSurface model)
 }
 
 bool SkinnedSurface::update(std::span<const FrameMap> frames, std::span<const std::uint8_t> moved) {
-    const bool stale = std::any_of(carriers_.begin(), carriers_.end(),
+    const bool stale = std::any_of(used_frames_.begin(), used_frames_.end(),
                                    [&](std::uint16_t frame) { return moved[frame] != 0; });
     if (!stale) {
         return false;
     }
     skin_moved(frames, moved);
-    renew_normals();
+    update_normals();
     revision_ = next_revision();
     return true;
 }
@@ -96,9 +96,9 @@ void SkinnedSurface::skin_moved(std::span<const FrameMap> frames, std::span<cons
     }
 }
 
-// Of those vertices alone that have a moved triangle; each sums over all of its triangles in their order, as
-// recompute_normals() does, so that the bits are the same.
-void SkinnedSurface::renew_normals() {
+// Updates only vertices with a moved triangle; each sums over all its triangles in order, as
+// recompute_normals() does, so that results are bitwise identical.
+void SkinnedSurface::update_normals() {
     std::ranges::fill(tilted_, std::uint8_t{0});
     for (const auto& [a, b, c] : model_->mesh.triangles) {
         if ((moved_[a] | moved_[b] | moved_[c]) != 0) {

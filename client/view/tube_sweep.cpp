@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/model/tube_end.hpp"
+#include "common/model/tools/tube_end.hpp"
 
 namespace eti::view {
 namespace {
@@ -20,7 +20,7 @@ constexpr float spigot_length = 6e-3f;
 struct CurvePoint {
     Vec3f position;
     Vec3f tangent;
-    Vec3f across;  // unit, normal to the tangent; carried along without twist
+    Vec3f across;  // unit, normal to the tangent; transported without twist
     float arc;     // [m] from the connector
 };
 
@@ -67,7 +67,7 @@ std::vector<CurvePoint> smooth_curve(std::span<const Vec3f> nodes) {
     return curve;
 }
 
-// The curve at `arc`; before the connector's end and past the tip it goes on straight.
+// The curve at `arc`; extrapolated linearly beyond the connector and the tip.
 CurvePoint at_arc(const std::vector<CurvePoint>& curve, float arc) {
     const auto above =
         std::upper_bound(curve.begin(), curve.end(), arc,
@@ -111,7 +111,7 @@ std::array<Ring, TubeSweep::rings> profile(const Tube& tube, float length) {
     return result;
 }
 
-/// Where a side of a ring lies.
+/// Direction of a side of a ring.
 struct Direction {
     float around;  // turns
     float cosine, sine;
@@ -130,7 +130,7 @@ std::array<Direction, TubeSweep::sides> directions() {
 std::vector<Triangle> wall_triangles() {
     constexpr std::uint32_t sides = TubeSweep::sides;
     constexpr std::uint32_t rings = TubeSweep::rings;
-    // Once around a lengthwise section: outer wall to the tip, over the rim, inner wall back, rim.
+    // Once around a longitudinal section: outer wall to the tip, over the rim, inner wall back, rim.
     constexpr std::uint32_t loop = 2 * rings;
     std::vector<Triangle> triangles;
     triangles.reserve(std::size_t{2} * loop * sides);
@@ -172,7 +172,7 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
         for (int side = 0; side < sides; ++side, ++index) {
             const Direction& direction = around_ring[static_cast<std::size_t>(side)];
             float arc = ring.arc;
-            // The bevel sets back the left side; elsewhere a ring has one centre.
+            // The bevel sets back the left side; elsewhere a ring has a single centre.
             if (near_tip > 0.0f) {
                 const float leftness = 0.5f * (1.0f + direction.sine);
                 arc -= near_tip * leftness * 2.0f * bevel_slope * radius;

@@ -9,20 +9,20 @@
 #include "client/view/revision.hpp"
 #include "common/math/transform.hpp"
 #include "common/mesh/triangle_mesh.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti::view {
 
 struct TubeVertex {
     Vec3f position = Vec3f::Zero();  ///< [m]
     Vec3f normal = Vec3f::UnitZ();
-    float from_tip = 0.0f;  ///< [m] along the centre line; beyond the tube's length lies the connector
+    float from_tip = 0.0f;  ///< [m] along the centre line; the connector lies beyond the tube's length
     float around = 0.0f;    ///< turns from the concave side, 0-1, towards the patient's left
 };
 
-/// The tube's surface: outer and inner wall swept along the centre line, a connector at one end and
-/// a bevelled opening at the other, closed. The bevel faces left when the concave side lies
-/// anterior, as on a Magill tip.
+/// The tube's surface: outer and inner wall swept along the centre line, closed, with a connector at one
+/// end and a bevelled opening at the other. The bevel faces left when the concave side lies anterior, as on
+/// a Magill tip.
 class TubeSweep {
   public:
     static constexpr int rings = 80;  ///< along each wall
@@ -30,7 +30,7 @@ class TubeSweep {
 
     explicit TubeSweep(const Tube& tube);
 
-    /// Sweeps along `nodes` [m], connector to tip; at least two distinct ones, else nothing changes.
+    /// Sweeps along `nodes` [m], connector to tip; fewer than two distinct nodes change nothing.
     bool update(std::span<const Vec3f> nodes);
 
     [[nodiscard]] const Tube& tube() const { return tube_; }
@@ -42,7 +42,7 @@ class TubeSweep {
     Tube tube_;
     std::vector<TubeVertex> vertices_;
     std::vector<Triangle> triangles_;
-    std::uint64_t revision_ = 0;  ///< 0: no course known yet
+    std::uint64_t revision_ = 0;  ///< 0: no nodes received yet
 };
 
 }  // namespace eti::view

@@ -19,29 +19,29 @@
 namespace eti::bus {
 
 struct Options {
-    std::string session = "default";   ///< several share a domain
+    std::string session = "default";   ///< several sessions can share a domain
     int domain = 0;                    ///< DDS domain, 0-232
     std::string name{};                ///< of this participant, e.g. "eti-server"
     std::filesystem::path profile{};   ///< optional XML profile file (transports, peers)
-    std::vector<std::string> peers{};  ///< other machines, by name or address; empty: by multicast
-    bool network = false;              ///< other machines are looked for; else this one alone
+    std::vector<std::string> peers{};  ///< other hosts, by name or address; empty: multicast discovery
+    bool network = false;              ///< discover participants on other hosts; else on this host alone
     std::vector<std::string>
         discovery_servers{};  ///< HOST or HOST:PORT; the second is the first one's backup
-    bool one_of_many =
-        false;  ///< shares what is sent to several alike by multicast, where there is multicast
+    bool shared_multicast =
+        false;  ///< sends one copy to all readers of a topic by multicast, where that is available
     std::filesystem::path identity{};  ///< folder of certificate and permissions; empty: no security
 };
 
-/// Something about the bus that a person can mend; the text says what to do.
+/// A bus error that the user can fix; the text states the remedy.
 class BusError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
-/// Tells participants apart; the library's own.
+/// The DDS library's participant identifier (GUID prefix).
 using ParticipantId = std::array<std::uint8_t, 12>;
 
-/// Options::name of the server, by which the others know it while it is still loading.
+/// Options::name of the server; participants recognise it by this name even while it is loading.
 inline constexpr std::string_view server_name = "eti-server";
 
 /// "host:pid" of this process, as SessionStatus names a server; at most 64 characters.
@@ -49,8 +49,8 @@ inline constexpr std::string_view server_name = "eti-server";
 
 class Participant;
 
-/// A process's place on the bus: participant, publisher and subscriber in the session's partition.
-/// Throws BusError from the constructor.
+/// A process's DDS entities: participant, publisher and subscriber in the session's partition. The
+/// constructor throws BusError.
 class Node {
   public:
     explicit Node(const Options& options);
@@ -60,16 +60,15 @@ class Node {
     struct Impl;
     [[nodiscard]] Impl& impl() const { return *impl_; }
     [[nodiscard]] const Options& options() const;
-    /// A second participant writes this session's status beside its owner: nobody's forces are to be
-    /// believed.
+    /// True while a second participant publishes this session's status. Forces must not be rendered then.
     [[nodiscard]] bool contested() const;
 
   private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Writes one topic, for one thread. publish() never blocks longer than the topic's QoS allows; false: not
-/// written (the message breaks a bound of the IDL, or a reliable reader is stuck).
+/// Publishes one topic; use from one thread. publish() blocks no longer than the topic's QoS allows. It
+/// returns false if the sample was not written: it exceeds a bound of the IDL, or a reliable reader is stuck.
 template <class Message>
 class Publisher {
   public:
@@ -78,10 +77,10 @@ class Publisher {
     ~Publisher();
     Publisher(Publisher&&) noexcept;
     bool publish(const Message& message);
-    [[nodiscard]] int matched() const;  ///< readers now matched
+    [[nodiscard]] int matched() const;  ///< number of matched readers
     void assert_liveliness();           ///< for topics with manual liveliness
-    /// Waits until every reliable reader has acknowledged all that was published, at most `timeout`; true
-    /// if they have. A writer that goes earlier takes with it what was not delivered.
+    /// Waits up to `timeout` until every reliable reader has acknowledged all samples; true if they have.
+    /// Destroying the publisher earlier discards undelivered samples.
     bool wait_until_received(std::chrono::milliseconds timeout);
 
   private:
@@ -89,15 +88,15 @@ class Publisher {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Rings when a sample has come to one of the subscribers that ring it: for a thread that serves several
-/// topics. Has to outlive them.
-class Bell {
+/// Signals that a sample has arrived at one of the attached subscribers, for a thread that serves several
+/// topics. Must outlive the subscribers.
+class WaitSet {
   public:
-    Bell();
-    ~Bell();
-    Bell(const Bell&) = delete;
-    Bell& operator=(const Bell&) = delete;
-    /// Waits until it has rung since the last call; false: it has not within `timeout`.
+    WaitSet();
+    ~WaitSet();
+    WaitSet(const WaitSet&) = delete;
+    WaitSet& operator=(const WaitSet&) = delete;
+    /// Waits until signalled since the last call; false on timeout.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
     struct Impl;
     [[nodiscard]] Impl& impl() const { return *impl_; }
@@ -106,8 +105,8 @@ class Bell {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Reads one topic, for one thread. Samples wait in the reader's bounded history until taken; nothing is
-/// called back on a DDS thread, so message handling stays on the caller's thread.
+/// Reads one topic; use from one thread. Samples stay in the reader's bounded history until taken. No
+/// callback runs on a DDS thread, so message handling stays on the caller's thread.
 template <class Message>
 class Subscriber {
   public:
@@ -115,51 +114,52 @@ class Subscriber {
     Subscriber(std::shared_ptr<Participant> participant, const Topic<Message>& topic);
     ~Subscriber();
     Subscriber(Subscriber&&) noexcept;
-    /// Oldest sample not yet taken; never blocks. `message` is reused to spare allocations;
-    /// unspecified on false. A malformed sample is dropped, never thrown.
+    /// Takes the oldest sample; never blocks. `message` is reused to save allocations and unspecified on
+    /// false. A malformed sample is dropped, never thrown.
     [[nodiscard]] bool take(Message& message);
-    /// Newest sample not yet taken, of whatever key, dropping older ones; never blocks. `message` is
-    /// left as it was on false.
+    /// Takes the newest sample of any key and drops older ones; never blocks. `message` is unchanged on
+    /// false.
     [[nodiscard]] bool take_latest(Message& message);
-    /// Waits until there is something to take.
+    /// Waits until a sample can be taken.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout);
-    void ring(Bell& bell);  ///< at every sample from now on
-    /// Who sent what was taken last.
+    void notify(WaitSet& wait_set);  ///< at every sample from now on
+    /// Sender of the last sample taken.
     [[nodiscard]] const ParticipantId& sender() const;
-    /// When what was taken last came to this process [ns, its system clock], however late it was taken.
+    /// Reception time of the last sample taken [ns, this process's system clock], however late it was taken.
     [[nodiscard]] std::uint64_t received_ns() const;
-    /// Of a topic with one writer at a time: this one is followed no more, because it is silent.
-    void let_go();
-    [[nodiscard]] int matched() const;  ///< writers now matched
-    [[nodiscard]] bool alive() const;   ///< some writer is matched and, where liveliness is asked for, alive
+    /// For a topic with exclusive ownership: stops following the current writer, because it is silent.
+    void release_ownership();
+    [[nodiscard]] int matched() const;  ///< number of matched writers
+    [[nodiscard]] bool alive() const;   ///< a writer is matched and, where liveliness is used, alive
 
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 
-/// Throws BusError, with both versions, while the session's server speaks another protocol: for whoever waits
-/// for a server, which would else not be found.
+/// Throws BusError with both versions if the session's server speaks another protocol. Call it while waiting
+/// for a server, which would otherwise never be found.
 void refuse_other_protocol(const Node& node);
 
-/// Where a server was looked for in vain, and what to do.
-struct Absence {
+/// Where discovery looked for a server, and the remedy.
+struct DiscoveryTimeout {
     std::string finding, remedy;
 };
-[[nodiscard]] Absence absence_of_server(const Options& options);
+[[nodiscard]] DiscoveryTimeout explain_missing_server(const Options& options);
 
-/// Both in one line, for whoever waits for one.
-[[nodiscard]] std::string no_server(const Options& options);
+/// Both in one line, for a program that waits for a server.
+[[nodiscard]] std::string missing_server_message(const Options& options);
 
-/// What the start-up check found, one line each, with the remedy; empty when all is well.
+/// Findings of the start-up check, one line each, with the remedy; empty when there is no problem.
 struct SelfCheck {
     std::vector<std::string> warnings;
 };
 
-/// Looks for stale shared memory of dead processes, an unusable network, a taken session; a server
-/// calls it before it publishes SessionStatus. Takes all of `wait` for a server; for others, until a
-/// server is found. `is_server`: refuses (BusError) when another live server owns the session, or
-/// started on it first. Others refuse when the session's server speaks another protocol.
+/// Looks for stale shared memory of dead processes, an unusable network and an occupied session. A server
+/// calls it before it publishes SessionStatus and waits the full `wait` for other servers; other programs
+/// wait until a server is found. A server (`is_server`) throws BusError when another live server owns the
+/// session or started on it first. Other programs throw BusError when the session's server speaks another
+/// protocol.
 [[nodiscard]] SelfCheck self_check(Node& node, bool is_server, std::chrono::milliseconds wait);
 
 }  // namespace eti::bus

@@ -7,7 +7,7 @@
 namespace eti::bus {
 
 Option add_domain(CommandLine& app, Options& options) {
-    // The last one whose ports, by the DDS interoperability protocol, are ports.
+    // 232 is the last domain whose port numbers, by the DDS interoperability protocol, are valid.
     return app.add_number("--domain", options.domain, "DDS domain", {0, 232}).capture_default_str();
 }
 
@@ -32,7 +32,8 @@ void add_options(CommandLine& app, Options& options) {
            "HOST or HOST:PORT of a discovery server, which tells who is there; a second one is its backup")
         .allow_extra_args(false)
         .group(group);
-    app.add_option("--profile", options.profile, "Fast DDS XML profile file, for all else (see deploy/dds)")
+    app.add_option("--profile", options.profile,
+                   "Fast DDS XML profile file, for all else (see deploy/data/dds)")
         .existing_file()
         .group(group);
     app.add_option(

@@ -7,11 +7,11 @@
 
 namespace eti::bus {
 
-/// The options by which every program finds its session: --session, --domain, --peer, --network,
-/// --discovery-server, --profile, --identity.
+/// Adds the options that select a session: --session, --domain, --peer, --network, --discovery-server,
+/// --profile, --identity.
 void add_options(CommandLine& app, Options& options);
 
-/// --domain alone, which add_options() adds with the others.
+/// Adds --domain alone; add_options() includes it.
 Option add_domain(CommandLine& app, Options& options);
 
 }  // namespace eti::bus

@@ -5,13 +5,13 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 
 namespace eti::bus {
 namespace {
 
-// As many as the topic keeps: what is older was never answered.
-constexpr std::size_t most_unanswered = 64;
+// The topic's history depth: older commands were never answered.
+constexpr std::size_t max_pending = 64;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ CommandSender::CommandSender(Node& node, std::string_view program)
       answers_(node, topics::command_result) {}
 
 bool CommandSender::send(std::string_view name, float value) {
-    if (!served()) {
+    if (!has_server()) {
         return false;
     }
     msg::Command message;
@@ -33,9 +33,9 @@ bool CommandSender::send(std::string_view name, float value) {
     if (!commands_.publish(message)) {
         return false;
     }
-    unanswered_[++sent_] = name;
-    if (unanswered_.size() > most_unanswered) {
-        unanswered_.erase(unanswered_.begin());
+    pending_[++sent_] = name;
+    if (pending_.size() > max_pending) {
+        pending_.erase(pending_.begin());
     }
     return true;
 }
@@ -44,8 +44,8 @@ std::vector<Refusal> CommandSender::take_answers() {
     std::vector<Refusal> refusals;
     msg::CommandResult answer;
     while (answers_.take(answer)) {
-        const auto asked = unanswered_.find(answer.id());
-        if (answer.recipient().to_string() != sender_ || asked == unanswered_.end()) {
+        const auto asked = pending_.find(answer.id());
+        if (answer.recipient().to_string() != sender_ || asked == pending_.end()) {
             continue;
         }
         ++(answer.accepted() ? accepted_ : refused_);
@@ -53,7 +53,7 @@ std::vector<Refusal> CommandSender::take_answers() {
             refusals.push_back({asked->second, answer.reason().to_string()});
             spdlog::warn("{} refused: {}", refusals.back().name, refusals.back().reason);
         }
-        unanswered_.erase(asked);
+        pending_.erase(asked);
     }
     return refusals;
 }

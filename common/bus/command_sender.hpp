@@ -13,32 +13,32 @@
 
 namespace eti::bus {
 
-/// A command that the server did not carry out, and why.
+/// A command that the server rejected, and why.
 struct Refusal {
     std::string name;  ///< of the command
     std::string reason;
 };
 
-/// Sends commands to a session and takes the server's answers. For one thread.
+/// Sends commands to a session and receives the server's answers; use from one thread.
 class CommandSender {
   public:
-    /// `program`: who sends, as the server logs it; the process's number is added.
+    /// `program`: the sender's name in the server's log; the process id is appended.
     CommandSender(Node& node, std::string_view program);
 
-    /// `value`: SI. False: no server takes commands now.
+    /// `value`: SI. False: no server accepts commands now.
     bool send(std::string_view name, float value);
     /// Waits until there is an answer to read.
     [[nodiscard]] bool wait(std::chrono::milliseconds timeout) { return answers_.wait(timeout); }
-    /// Reads what has come: the refusals since the last call, which are also logged.
+    /// Reads new answers and returns the rejected commands since the last call, which are also logged.
     [[nodiscard]] std::vector<Refusal> take_answers();
 
-    /// Before the sender goes: a writer takes with it what was not delivered.
+    /// Call before destruction, which discards undelivered commands.
     void wait_until_received(std::chrono::milliseconds timeout) {
         (void)commands_.wait_until_received(timeout);
     }
 
-    /// A server takes commands.
-    [[nodiscard]] bool served() const { return commands_.matched() > 0; }
+    /// Whether a server accepts commands.
+    [[nodiscard]] bool has_server() const { return commands_.matched() > 0; }
     [[nodiscard]] std::uint32_t sent() const { return sent_; }
     [[nodiscard]] std::uint32_t accepted() const { return accepted_; }
     [[nodiscard]] std::uint32_t refused() const { return refused_; }
@@ -47,7 +47,7 @@ class CommandSender {
     std::string sender_;
     Publisher<msg::Command> commands_;
     Subscriber<msg::CommandResult> answers_;
-    std::map<std::uint32_t, std::string> unanswered_;  // names by number
+    std::map<std::uint32_t, std::string> pending_;  // names by number
     std::uint32_t sent_ = 0, accepted_ = 0, refused_ = 0;
 };
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/guard/receive_filter.hpp"
 #include "common/bus/library_log.hpp"
-#include "common/bus/receive_filter.hpp"
 #include "common/bus/transport.hpp"
 
 namespace eti::bus {
@@ -29,15 +29,15 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     : impl_(std::make_unique<Impl>()) {
     set_up_library_log();
     std::vector<std::string> warnings;
-    dds::DomainParticipantQos quality = discovery_server_quality(number, address, port, warnings);
-    put_filter_before(quality.transport().user_transports, largest_datagram,
-                      std::make_shared<Admission>(false), options.profile);
-    quality.name(options.name);
+    dds::DomainParticipantQos qos = discovery_server_qos(number, address, port, warnings);
+    install_receive_filter(qos.transport().user_transports, max_datagram_bytes,
+                           std::make_shared<Admission>(false), options.profile);
+    qos.name(options.name);
     for (const std::string& warning : warnings) {
         bus_log().warn("{}", warning);
     }
     impl_->participant = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<std::uint32_t>(options.domain), quality, nullptr, dds::StatusMask::none());
+        static_cast<std::uint32_t>(options.domain), qos, nullptr, dds::StatusMask::none());
     if (impl_->participant == nullptr) {
         throw BusError(fmt::format(
             "cannot listen on {}:{}: the address is not this machine's or the port is taken; choose "

@@ -12,13 +12,12 @@ namespace eti::bus {
 
 inline constexpr std::uint16_t discovery_port = 11811;
 
-/// The library's discovery server behind this project's receive filter: tells programs that were given its
-/// address who else is there. Throws BusError.
+/// The library's discovery server behind this project's receive filter. It tells programs that connect to its
+/// address about each other. Throws BusError.
 class DiscoveryServer {
   public:
-    /// `number`: its place in the list that programs are given, 0 to 255. `address`: of this machine, on
-    /// which it listens; empty: on all. Of `options`: name and domain; secured programs do not meet by a
-    /// discovery server.
+    /// `number`: index in the list given to programs, 0 to 255. `address`: local address to listen on; empty:
+    /// all. Of `options` only name and domain are used; secured programs cannot use a discovery server.
     DiscoveryServer(const Options& options, int number, const std::string& address, std::uint16_t port);
     ~DiscoveryServer();
     DiscoveryServer(const DiscoveryServer&) = delete;

@@ -6,14 +6,14 @@
 #include <random>
 #include <utility>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 
 namespace eti::bus {
 
 namespace {
 
-constexpr std::chrono::milliseconds patience{250};  // so soon a node's end is noticed
-constexpr std::size_t most_kept = 1000;
+constexpr std::chrono::milliseconds poll_timeout{250};  // bounds the time to notice that a node ends
+constexpr std::size_t max_round_trips = 1000;
 
 double milliseconds(std::uint64_t later, std::uint64_t earlier) {
     return (static_cast<double>(later) - static_cast<double>(earlier)) * 1e-6;
@@ -21,32 +21,32 @@ double milliseconds(std::uint64_t later, std::uint64_t earlier) {
 
 }  // namespace
 
-EchoAnswers::EchoAnswers(std::shared_ptr<Participant> participant, std::string program)
+EchoResponder::EchoResponder(std::shared_ptr<Participant> participant, std::string program)
     : program_(std::move(program)),
       questions_(participant, topics::echo_question),
       answers_(participant, topics::echo_answer) {
-    questions_.ring(bell_);
+    questions_.notify(wait_set_);
     thread_ = std::thread([this] { run(); });
 }
 
-EchoAnswers::~EchoAnswers() {
+EchoResponder::~EchoResponder() {
     ending_.store(true, std::memory_order_relaxed);
     thread_.join();
 }
 
-void EchoAnswers::run() {
+void EchoResponder::run() {
     msg::Echo question;
     while (!ending_.load(std::memory_order_relaxed)) {
-        (void)bell_.wait(patience);
+        (void)wait_set_.wait(poll_timeout);
         while (questions_.take(question)) {
             answer(question);
         }
     }
 }
 
-void EchoAnswers::answer(const msg::Echo& question) {
+void EchoResponder::answer(const msg::Echo& question) {
     const std::uint64_t heard = wall_clock_ns();
-    if (question.heard_ns() != 0 || !allowed_.take(Allowance::Clock::now())) {
+    if (question.heard_ns() != 0 || !allowed_.try_acquire(RateLimiter::Clock::now())) {
         return;
     }
     msg::Echo message = question;
@@ -57,12 +57,12 @@ void EchoAnswers::answer(const msg::Echo& question) {
     answers_.publish(message);
 }
 
-EchoAsker::EchoAsker(Node& node)
+EchoRequester::EchoRequester(Node& node)
     : questions_(node, topics::echo_question),
       answers_(node, topics::echo_answer),
       nonce_((std::uint64_t{std::random_device()()} << 32) | std::random_device()()) {}
 
-bool EchoAsker::ask() {
+bool EchoRequester::ask() {
     msg::Echo question;
     question.header(make_header(0, static_cast<std::uint32_t>(++asked_)));
     question.asker(process_name());
@@ -71,15 +71,15 @@ bool EchoAsker::ask() {
     return questions_.publish(question) && questions_.matched() > 0;
 }
 
-void EchoAsker::poll() {
+void EchoRequester::poll() {
     while (answers_.take(message_)) {
-        // Not when it is looked at: who asks once a second looks once a second.
+        // Time of reception, not of polling: a program that polls once a second would add up to a second.
         const std::uint64_t now = answers_.received_ns();
         const std::string process = message_.answerer().to_string();
         const std::uint64_t asked = message_.asked_ns(), heard = message_.heard_ns(),
                             sent = message_.header().send_time_ns();
         const bool ours = message_.nonce() == nonce_ && asked <= now && heard <= sent;
-        if (!ours || (!peers_.contains(process) && peers_.size() >= most_peers)) {
+        if (!ours || (!peers_.contains(process) && peers_.size() >= max_peers)) {
             continue;
         }
         // Times of four events: asked and now by this clock, heard and sent by the peer's.
@@ -88,11 +88,11 @@ void EchoAsker::poll() {
         peer.process = process;
         peer.program = message_.program().to_string();
         peer.round_trip_ms = round_trip;
-        if (peer.answers++ == 0 || round_trip < peer.least_round_trip_ms) {
-            peer.least_round_trip_ms = round_trip;
+        if (peer.answers++ == 0 || round_trip < peer.min_round_trip_ms) {
+            peer.min_round_trip_ms = round_trip;
             peer.clock_offset_ms = 0.5 * (milliseconds(heard, asked) + milliseconds(sent, now));
         }
-        if (peer.round_trips_ms.size() == most_kept) {
+        if (peer.round_trips_ms.size() == max_round_trips) {
             peer.round_trips_ms.erase(peer.round_trips_ms.begin());
         }
         peer.round_trips_ms.push_back(round_trip);

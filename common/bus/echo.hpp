@@ -11,59 +11,59 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/process/allowance.hpp"
+#include "common/process/rate_limiter.hpp"
 
 namespace eti::bus {
 
-/// Answers every question of the session, two hundred a second at most, on a thread of its own.
-class EchoAnswers {
+/// Answers the session's echo requests on its own thread, at most two hundred a second.
+class EchoResponder {
   public:
-    EchoAnswers(std::shared_ptr<Participant> participant, std::string program);
-    ~EchoAnswers();
-    EchoAnswers(const EchoAnswers&) = delete;
-    EchoAnswers& operator=(const EchoAnswers&) = delete;
+    EchoResponder(std::shared_ptr<Participant> participant, std::string program);
+    ~EchoResponder();
+    EchoResponder(const EchoResponder&) = delete;
+    EchoResponder& operator=(const EchoResponder&) = delete;
 
   private:
     void run();
     void answer(const msg::Echo& question);
 
     std::string program_;
-    Bell bell_;
+    WaitSet wait_set_;
     Subscriber<msg::Echo> questions_;
     Publisher<msg::Echo> answers_;
-    Allowance allowed_{200.0};
+    RateLimiter allowed_{200.0};
     std::atomic<bool> ending_{false};
     std::thread thread_;
 };
 
-/// How long messages take to a peer, and how its clock lies to this one's.
+/// Message round trips to a peer, and the offset of its clock.
 struct PeerEcho {
     std::string process;  ///< host:pid of the peer
     std::string program;  ///< its name
     std::size_t answers = 0;
-    double round_trip_ms = 0.0;  ///< the last one's
-    double least_round_trip_ms = 0.0;
-    /// Peer's clock minus this one's, by the fastest answer (RFC 5905, section 8); off by half of its round
-    /// trip at most, where the ways there and back take different times.
+    double round_trip_ms = 0.0;  ///< the latest
+    double min_round_trip_ms = 0.0;
+    /// Peer's clock minus this one's, from the fastest answer (RFC 5905, section 8). The error is at most
+    /// half of its round trip, reached when the delays of the two directions differ.
     double clock_offset_ms = 0.0;
     std::vector<double> round_trips_ms;  ///< the last thousand
 };
 
-/// Asks whoever hears it, and keeps what the peers answered. For one thread.
-class EchoAsker {
+/// Sends echo requests to all peers and collects their answers; use from one thread.
+class EchoRequester {
   public:
-    explicit EchoAsker(Node& node);
+    explicit EchoRequester(Node& node);
 
-    /// Sends a question; false: nobody hears it.
+    /// Sends a request; false: no peer receives it.
     bool ask();
-    /// Takes in what was answered since.
+    /// Processes the answers received since the last call.
     void poll();
-    /// By process.
+    /// Keyed by process.
     [[nodiscard]] const std::map<std::string, PeerEcho>& peers() const { return peers_; }
     [[nodiscard]] std::uint64_t asked() const { return asked_; }
 
   private:
-    static constexpr std::size_t most_peers = 256;
+    static constexpr std::size_t max_peers = 256;
 
     Publisher<msg::Echo> questions_;
     Subscriber<msg::Echo> answers_;

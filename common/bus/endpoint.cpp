@@ -9,10 +9,10 @@
 #include <mutex>
 #include <utility>
 
-#include "common/bus/identity.hpp"
+#include "common/bus/codec/wire.hpp"
 #include "common/bus/participant.hpp"
+#include "common/bus/security/identity.hpp"
 #include "common/bus/transport.hpp"
-#include "common/bus/wire.hpp"
 
 namespace eti::bus {
 
@@ -32,50 +32,50 @@ ETI_MESSAGES(ETI_WIRE)
 #undef ETI_WIRE
 
 const Duration_t liveliness_lease{0.3L};
-// A reliable write waits at most this long for a stuck reader.
+// Longest time that a reliable write waits for a stuck reader.
 const Duration_t max_blocking{0.02L};
-// Repair of what was lost: the library's 3 s heartbeat would show as a stall. Heartbeats are sent only
-// while a reader has not acknowledged everything.
+// Repair of lost samples: the library's heartbeat period of 3 s would show as a stall. Heartbeats are sent
+// only while a reader has not acknowledged everything.
 const Duration_t heartbeat_period{0.02L};
 const Duration_t repair_delay{0.001L};
-// Keys a reader keeps; the library's default of 10 refuses the eleventh object of a scene.
-constexpr std::int32_t most_instances = 256;
+// Instances that a reader keeps; the library's default of 10 rejects the eleventh object of a scene.
+constexpr std::int32_t max_instances_kept = 256;
 
-template <class Qos>
-void apply(const Quality& wanted, bool keyed, Qos& quality) {
-    quality.reliability().kind =
+template <class EndpointQos>
+void apply(const Qos& wanted, bool keyed, EndpointQos& qos) {
+    qos.reliability().kind =
         wanted.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
-    quality.reliability().max_blocking_time = max_blocking;
-    quality.durability().kind =
+    qos.reliability().max_blocking_time = max_blocking;
+    qos.durability().kind =
         wanted.transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
-    quality.history().kind = dds::KEEP_LAST_HISTORY_QOS;
-    quality.history().depth = wanted.depth;
-    auto& limits = quality.resource_limits();
-    limits.max_instances = keyed ? most_instances : 1;
+    qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+    qos.history().depth = wanted.depth;
+    auto& limits = qos.resource_limits();
+    limits.max_instances = keyed ? max_instances_kept : 1;
     limits.max_samples_per_instance = wanted.depth;
     limits.max_samples = limits.max_instances * wanted.depth;
     limits.allocated_samples = std::min(limits.max_samples, 16);
-    quality.endpoint().history_memory_policy =
-        eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-    quality.data_sharing().off();  // refuses keyed types, and its files outlive a killed writer
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();  // rejects keyed types, and its files outlive a killed writer
     if (wanted.manual_liveliness) {
-        quality.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
-        quality.liveliness().lease_duration = liveliness_lease;
+        qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+        qos.liveliness().lease_duration = liveliness_lease;
     }
 }
 
-/// Has a reader take the copy that all who share the topic get, where they can.
-void share(const Participant& participant, std::string_view topic, dds::DataReaderQos& quality) {
-    const auto place = std::ranges::find(topics::all, topic, &TopicSource::name) - std::begin(topics::all);
-    const auto shared = shared_locator(participant.options, static_cast<std::size_t>(place));
-    // With a list of its own a reader has no default for when it is the only one.
+/// Lets a reader receive the multicast copy that all readers of the topic share, where possible.
+void share(const Participant& participant, std::string_view topic, dds::DataReaderQos& qos) {
+    const auto place =
+        std::ranges::find(topics::all, topic, &TopicWriterPolicy::name) - std::begin(topics::all);
+    const auto shared = multicast_locator(participant.options, static_cast<std::size_t>(place));
+    // A reader with its own locator list has no default locator for when it is the only reader.
     const auto alone = participant.own_locators();
     if (!shared || alone.empty()) {
         return;
     }
-    quality.endpoint().multicast_locator_list.push_back(*shared);
+    qos.endpoint().multicast_locator_list.push_back(*shared);
     for (const auto& locator : alone) {
-        quality.endpoint().unicast_locator_list.push_back(locator);
+        qos.endpoint().unicast_locator_list.push_back(locator);
     }
 }
 
@@ -102,18 +102,18 @@ Publisher<Message>::Publisher(std::shared_ptr<Participant> participant, const To
     : impl_(std::make_unique<Impl>()) {
     impl_->participant = std::move(participant);
     const dds::TypeSupport type(new typename Wire<Message>::Type());
-    dds::DataWriterQos quality = dds::DATAWRITER_QOS_DEFAULT;
-    apply(topic.quality, type->m_isGetKeyDefined, quality);
-    if (topic.quality.manual_liveliness) {
-        quality.liveliness().announcement_period = Duration_t{0.1L};
+    dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
+    apply(topic.qos, type->m_isGetKeyDefined, qos);
+    if (topic.qos.manual_liveliness) {
+        qos.liveliness().announcement_period = Duration_t{0.1L};
     }
-    auto& times = quality.reliable_writer_qos().times;
+    auto& times = qos.reliable_writer_qos().times;
     times.heartbeatPeriod = heartbeat_period;
     times.nackResponseDelay = repair_delay;
     impl_->writer = impl_->participant->publisher->create_datawriter(
-        impl_->participant->topic(topic.name, type), quality, nullptr, dds::StatusMask::none());
+        impl_->participant->topic(topic.name, type), qos, nullptr, dds::StatusMask::none());
     if (impl_->writer == nullptr) {
-        throw BusError(endpoint_refused(impl_->participant->options, topic.name, true));
+        throw BusError(endpoint_creation_error(impl_->participant->options, topic.name, true));
     }
 }
 
@@ -146,49 +146,48 @@ bool Publisher<Message>::wait_until_received(std::chrono::milliseconds timeout) 
     return impl_->writer->wait_for_acknowledgments(longest) == ReturnCode_t::RETCODE_OK;
 }
 
-struct Bell::Impl {
-    void ring() {
+struct WaitSet::Impl {
+    void notify() {
         {
             const std::lock_guard lock(mutex);
-            rung = true;
+            notified = true;
         }
         changed.notify_one();
     }
 
     std::mutex mutex;
     std::condition_variable changed;
-    bool rung = false;
+    bool notified = false;
 };
 
-Bell::Bell() : impl_(std::make_unique<Impl>()) {}
-Bell::~Bell() = default;
+WaitSet::WaitSet() : impl_(std::make_unique<Impl>()) {}
+WaitSet::~WaitSet() = default;
 
-bool Bell::wait(std::chrono::milliseconds timeout) {
+bool WaitSet::wait(std::chrono::milliseconds timeout) {
     std::unique_lock lock(impl_->mutex);
-    return impl_->changed.wait_for(lock, timeout, [this] { return std::exchange(impl_->rung, false); });
+    return impl_->changed.wait_for(lock, timeout, [this] { return std::exchange(impl_->notified, false); });
 }
 
 namespace {
 
-/// The library calls it on its own threads, where it does no more than wake the one that waits and pass on
-/// who is heard.
+/// Called on the library's threads, where it only wakes the waiting thread and forwards liveliness changes.
 class ReaderListener final : public dds::DataReaderListener {
   public:
     explicit ReaderListener(Participant& participant) : participant_(participant) {}
 
-    void ring(Bell::Impl& bell) { bell_ = &bell; }
+    void notify(WaitSet::Impl& wait_set) { wait_set_ = &wait_set; }
 
-    void on_data_available(dds::DataReader* /*reader*/) override { bell_->ring(); }
+    void on_data_available(dds::DataReader* /*reader*/) override { wait_set_->notify(); }
 
     void on_liveliness_changed(dds::DataReader* /*reader*/,
                                const dds::LivelinessChangedStatus& status) override {
         const auto writer = eprosima::fastrtps::rtps::iHandle2GUID(status.last_publication_handle);
-        participant_.heard(writer, status.alive_count_change > 0);
+        participant_.on_liveliness_changed(writer, status.alive_count_change > 0);
     }
 
   private:
     Participant& participant_;
-    Bell::Impl* bell_ = nullptr;
+    WaitSet::Impl* wait_set_ = nullptr;
 };
 
 }  // namespace
@@ -206,7 +205,7 @@ struct Subscriber<Message>::Impl {
     ParticipantId sender{};
     std::uint64_t received_ns = 0;
     bool manual_liveliness = false;
-    Message newest;  // kept to spare allocations
+    Message newest;  // kept to save allocations
 
     ~Impl() {
         if (reader != nullptr) {
@@ -224,21 +223,21 @@ template <class Message>
 Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const Topic<Message>& topic)
     : impl_(std::make_unique<Impl>(std::move(participant))) {
     impl_->topic = topic.name;
-    if (topic.quality.manual_liveliness) {
+    if (topic.qos.manual_liveliness) {
         impl_->mask = dds::StatusMask::liveliness_changed();
     }
-    impl_->manual_liveliness = topic.quality.manual_liveliness;
+    impl_->manual_liveliness = topic.qos.manual_liveliness;
     const dds::TypeSupport type(new typename Wire<Message>::Type());
-    dds::DataReaderQos quality = dds::DATAREADER_QOS_DEFAULT;
-    apply(topic.quality, type->m_isGetKeyDefined, quality);
-    quality.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
-    if (impl_->participant->options.one_of_many && !topic.quality.reliable) {
-        share(*impl_->participant, topic.name, quality);
+    dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
+    apply(topic.qos, type->m_isGetKeyDefined, qos);
+    qos.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
+    if (impl_->participant->options.shared_multicast && !topic.qos.reliable) {
+        share(*impl_->participant, topic.name, qos);
     }
     impl_->reader = impl_->participant->subscriber->create_datareader(
-        impl_->participant->topic(topic.name, type), quality, &impl_->listener, impl_->mask);
+        impl_->participant->topic(topic.name, type), qos, &impl_->listener, impl_->mask);
     if (impl_->reader == nullptr) {
-        throw BusError(endpoint_refused(impl_->participant->options, topic.name, false));
+        throw BusError(endpoint_creation_error(impl_->participant->options, topic.name, false));
     }
 }
 
@@ -250,7 +249,7 @@ Subscriber<Message>::Subscriber(Subscriber&&) noexcept = default;
 template <class Message>
 bool Subscriber<Message>::take(Message& message) {
     dds::SampleInfo info;
-    // Samples without data (a writer went away) are passed over.
+    // Skip samples without data (a writer left).
     while (impl_->reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
         if (info.valid_data) {
             std::ranges::copy(info.sample_identity.writer_guid().guidPrefix.value, impl_->sender.begin());
@@ -263,7 +262,7 @@ bool Subscriber<Message>::take(Message& message) {
 
 template <class Message>
 bool Subscriber<Message>::take_latest(Message& message) {
-    // Bounded, so that a writer faster than this loop cannot hold it.
+    // Bounded, so that a writer faster than this loop cannot block it.
     constexpr int most = 4096;
     bool any = false;
     for (int taken = 0; taken < most && take(impl_->newest); ++taken) {
@@ -280,8 +279,8 @@ bool Subscriber<Message>::wait(std::chrono::milliseconds timeout) {
 }
 
 template <class Message>
-void Subscriber<Message>::ring(Bell& bell) {
-    impl_->listener.ring(bell.impl());
+void Subscriber<Message>::notify(WaitSet& wait_set) {
+    impl_->listener.notify(wait_set.impl());
     impl_->mask << dds::StatusMask::data_available();
     impl_->reader->set_listener(&impl_->listener, impl_->mask);
 }
@@ -297,8 +296,8 @@ std::uint64_t Subscriber<Message>::received_ns() const {
 }
 
 template <class Message>
-void Subscriber<Message>::let_go() {
-    impl_->participant->let_go(impl_->topic);
+void Subscriber<Message>::release_ownership() {
+    impl_->participant->release_ownership(impl_->topic);
 }
 
 template <class Message>

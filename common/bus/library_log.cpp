@@ -8,7 +8,7 @@
 #include <fastdds/dds/log/Log.hpp>
 #include <memory>
 
-#include "common/process/line_limit.hpp"
+#include "common/process/log_throttle.hpp"
 
 namespace eti::bus {
 
@@ -16,27 +16,28 @@ namespace dds = eprosima::fastdds::dds;
 
 namespace {
 
-// The library reports on standard output by default, where the programs put their results.
+// By default the library logs to standard output, where the programs write their results.
 class LogToStandardError final : public dds::LogConsumer {
   public:
     void Consume(const dds::Log::Entry& entry) override {
-        // A cause is the place in the library that reports: its texts differ from peer to peer.
+        // A cause is the reporting location in the library: its texts differ from peer to peer.
         const std::string cause = fmt::format("{}:{}:{}", text(entry.context.category),
                                               text(entry.context.filename), entry.context.line);
-        const auto kept_back = limit_.allow(cause);
-        if (!kept_back) {
+        const auto suppressed = limit_.allow(cause);
+        if (!suppressed) {
             return;
         }
         const auto level = entry.kind == dds::Log::Error     ? spdlog::level::err
                            : entry.kind == dds::Log::Warning ? spdlog::level::warn
                                                              : spdlog::level::info;
-        bus_log().log(level, "{}: {}{}", text(entry.context.category), entry.message, and_more(*kept_back));
+        bus_log().log(level, "{}: {}{}", text(entry.context.category), entry.message,
+                      suppressed_suffix(*suppressed));
     }
 
   private:
     static const char* text(const char* of) { return of != nullptr ? of : ""; }
 
-    LineLimit limit_;
+    LogThrottle limit_;
 };
 
 }  // namespace

@@ -8,13 +8,13 @@
 
 namespace eti::bus {
 
-/// Logger of this room, on standard error whatever the program's default logger is.
+/// Logger of common/bus, on standard error whatever the program's default logger is.
 [[nodiscard]] spdlog::logger& bus_log();
 
-/// What the DDS library reports goes to bus_log(), each cause once a second at most; once for all nodes.
+/// Redirects the DDS library's log to bus_log(), at most one line a second per cause. Once for all nodes.
 void set_up_library_log();
 
-/// Of the DDS library, as built against: "2.9.1".
+/// Version of the DDS library at build time: "2.9.1".
 [[nodiscard]] std::string library_version();
 
 }  // namespace eti::bus

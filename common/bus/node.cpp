@@ -8,10 +8,10 @@
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
-#include "common/bus/convert.hpp"
-#include "common/bus/identity.hpp"
+#include "common/bus/codec/convert.hpp"
+#include "common/bus/guard/receive_filter.hpp"
 #include "common/bus/participant.hpp"
-#include "common/bus/receive_filter.hpp"
+#include "common/bus/security/identity.hpp"
 #include "common/bus/transport.hpp"
 
 namespace eti::bus {
@@ -20,8 +20,8 @@ using eprosima::fastrtps::Duration_t;
 
 namespace {
 
-// A crashed process is forgotten, and a late joiner found, within this lease; the library's own 20 s
-// and 3 s leave a session looking alive long after it died.
+// Within this lease a crashed process is removed and a late joiner found. With the library's own 20 s and 3
+// s, a session looks alive long after it has died.
 const Duration_t participant_lease{1.5L};
 const Duration_t participant_announcement{0.5L};
 
@@ -29,8 +29,8 @@ void set_up_library() {
     static std::once_flag once;
     std::call_once(once, [] {
         set_up_library_log();
-        // Two nodes of one process shall speak as two processes do, so that tests see the real path
-        // and a writer never runs a reader's code on its own thread.
+        // Two nodes of one process communicate as two processes do. Tests then exercise the real path, and a
+        // writer never runs a reader's code on its own thread.
         auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
         settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
         eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
@@ -42,7 +42,7 @@ void check_names(const Options& options) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
                c == '_' || c == '.';
     };
-    // A partition name may hold wildcards, and then joins every session that fits.
+    // A partition name with wildcards would join every matching session.
     if (options.session.empty() || options.session.size() > 48 ||
         !std::ranges::all_of(options.session, allowed)) {
         throw BusError(fmt::format("session '{}': expected 1 to 48 letters, digits, '.', '-' or '_'",
@@ -64,8 +64,8 @@ std::string field_of(const std::string& text, std::string_view key) {
     return text.substr(from, text.find(';', from) - from);
 }
 
-// A hostile network must not grow this without end.
-constexpr std::size_t most_peers = 256;
+// Bounds memory use on a hostile network.
+constexpr std::size_t max_peers = 256;
 
 ParticipantId id_of(const eprosima::fastrtps::rtps::GuidPrefix_t& prefix) {
     ParticipantId id{};
@@ -79,7 +79,7 @@ WriterId writer_id(const eprosima::fastrtps::rtps::GUID_t& guid) {
     return id;
 }
 
-/// What a participant's user data say, if it is a program of this project.
+/// Decodes a participant's user data, if it is a program of this project.
 std::optional<Peer> introduced(const std::string& text, std::string name, const ParticipantId& id) {
     if (!text.starts_with("eti;")) {
         return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<Peer> introduced(const std::string& text, std::string name, const 
     const std::string started = field_of(text, ";started=");
     std::uint64_t started_ns = 0;
     std::from_chars(started.data(), started.data() + started.size(), started_ns);
-    // Programs before protocol 2 did not say what they speak.
+    // Programs before protocol 2 did not state their protocol.
     const std::string said = field_of(text, ";protocol=");
     int spoken = 1;
     std::from_chars(said.data(), said.data() + said.size(), spoken);
@@ -115,39 +115,39 @@ Participant::Participant(const Options& wanted)
     : options(wanted), admission_(std::make_shared<Admission>(wanted.name == server_name)) {
     check_names(options);
     set_up_library();
-    auto quality = participant_quality(options, warnings_);
-    apply_identity(options, quality, warnings_);
-    put_filter_before(quality.transport().user_transports,
-                      options.identity.empty() ? largest_datagram : largest_secured_datagram, admission_,
-                      options.profile);
-    auto& discovery = quality.wire_protocol().builtin.discovery_config;
+    auto qos = participant_qos(options, warnings_);
+    apply_identity(options, qos, warnings_);
+    install_receive_filter(qos.transport().user_transports,
+                           options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
+                           admission_, options.profile);
+    auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
         discovery.leaseDuration = participant_lease;
         discovery.leaseDuration_announcementperiod = participant_announcement;
     }
-    quality.name(options.name);
+    qos.name(options.name);
     started_ns_ = wall_clock_ns();
     const std::string introduction =
         fmt::format("eti;protocol={};version={};session={};process={};started={};", protocol, ETI_VERSION,
                     options.session, process_name(), started_ns_);
-    quality.user_data().data_vec({introduction.begin(), introduction.end()});
+    qos.user_data().data_vec({introduction.begin(), introduction.end()});
 
     participant = dds::DomainParticipantFactory::get_instance()->create_participant(
-        static_cast<std::uint32_t>(options.domain), quality, this, dds::StatusMask::none());
+        static_cast<std::uint32_t>(options.domain), qos, this, dds::StatusMask::none());
     if (participant == nullptr) {
         throw BusError(
             fmt::format("cannot join domain {}: its UDP ports from {} on are taken or there is no network; "
                         "choose another --domain, or bring a network interface up (ip link set lo up)",
                         options.domain, 7400 + 250 * options.domain));
     }
-    dds::PublisherQos publisher_quality = dds::PUBLISHER_QOS_DEFAULT;
+    dds::PublisherQos publisher_qos = dds::PUBLISHER_QOS_DEFAULT;
     const std::string partition = partition_of(options.session);
-    publisher_quality.partition().push_back(partition.c_str());
-    publisher = participant->create_publisher(publisher_quality);
-    dds::SubscriberQos subscriber_quality = dds::SUBSCRIBER_QOS_DEFAULT;
-    subscriber_quality.partition().push_back(partition.c_str());
-    subscriber = participant->create_subscriber(subscriber_quality);
+    publisher_qos.partition().push_back(partition.c_str());
+    publisher = participant->create_publisher(publisher_qos);
+    dds::SubscriberQos subscriber_qos = dds::SUBSCRIBER_QOS_DEFAULT;
+    subscriber_qos.partition().push_back(partition.c_str());
+    subscriber = participant->create_subscriber(subscriber_qos);
     if (publisher == nullptr || subscriber == nullptr) {
         close();
         throw BusError(
@@ -198,9 +198,9 @@ std::vector<Peer> Participant::peers() const {
     return all;
 }
 
-void Participant::heard(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive) {
-    admission_->heard(writer_id(writer), alive);
-    say_news();
+void Participant::on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive) {
+    admission_->on_liveliness_changed(writer_id(writer), alive);
+    log_admission_changes();
 }
 
 std::vector<eprosima::fastrtps::rtps::Locator_t> Participant::own_locators() const {
@@ -208,14 +208,14 @@ std::vector<eprosima::fastrtps::rtps::Locator_t> Participant::own_locators() con
     return own_locators_;
 }
 
-void Participant::let_go(std::string_view topic) {
-    admission_->let_go(topic);
+void Participant::release_ownership(std::string_view topic) {
+    admission_->release_ownership(topic);
 }
 
-void Participant::say_news() {
-    for (const std::string& line : admission_->news()) {
-        if (const auto kept_back = lines_.allow(line)) {
-            bus_log().warn("{}{}", line, and_more(*kept_back));
+void Participant::log_admission_changes() {
+    for (const std::string& line : admission_->take_log_lines()) {
+        if (const auto suppressed = lines_.allow(line)) {
+            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
         }
     }
 }
@@ -229,8 +229,8 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
             const std::lock_guard lock(peers_mutex_);
             peers_.erase(id);
         }
-        admission_->gone(id);
-        say_news();
+        admission_->on_removed(id);
+        log_admission_changes();
         return;
     }
     const auto& data = info.info.m_userData.data_vec();
@@ -238,19 +238,19 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
                                                 std::string(info.info.m_participantName.c_str()), id);
     if (peer) {
         const std::lock_guard lock(peers_mutex_);
-        if (peers_.size() < most_peers) {
+        if (peers_.size() < max_peers) {
             peers_.insert_or_assign(id, *peer);
         }
     }
     const bool as_server =
         peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
-    admission_->found(id, peer ? fmt::format("'{}' {}", peer->name, peer->process) : "", as_server);
-    say_news();
+    admission_->on_discovered(id, peer ? fmt::format("'{}' {}", peer->name, peer->process) : "", as_server);
+    log_admission_changes();
 }
 
 bool Participant::in_session(const dds::PartitionQosPolicy& partitions) const {
     const std::string own = partition_of(options.session);
-    // A pattern may fit; fnmatch's letters, as the library takes them.
+    // Partitions may be patterns; matched by fnmatch, as in the library.
     return std::ranges::any_of(partitions.getNames(), [&](const std::string& name) {
         return name == own || name.find_first_of("*?[") != std::string::npos;
     });
@@ -260,7 +260,7 @@ void Participant::on_publisher_discovery(dds::DomainParticipant* self,
                                          eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
     using Info = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
     if (info.info.guid().guidPrefix == self->guid().guidPrefix) {
-        // The library tells of its own, too, and so of the port that it found free.
+        // The library also reports its own participant, and so the port that it found free.
         const std::lock_guard lock(peers_mutex_);
         const auto& locators = info.info.remote_locators().unicast;
         own_locators_.assign(locators.begin(), locators.end());
@@ -268,11 +268,11 @@ void Participant::on_publisher_discovery(dds::DomainParticipant* self,
     }
     const WriterId writer = writer_id(info.info.guid());
     if (info.status == Info::REMOVED_WRITER) {
-        admission_->gone(writer);
+        admission_->on_removed(writer);
     } else if (in_session(info.info.m_qos.m_partition)) {
-        admission_->found(writer, info.info.topicName().c_str());
+        admission_->on_discovered(writer, info.info.topicName().c_str());
     }
-    say_news();
+    log_admission_changes();
 }
 
 Node::Node(const Options& options) {

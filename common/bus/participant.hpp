@@ -16,19 +16,19 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/admission.hpp"
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
+#include "common/bus/guard/admission.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/bus/peers.hpp"
-#include "common/process/line_limit.hpp"
+#include "common/process/log_throttle.hpp"
 
 namespace eti::bus {
 
 namespace dds = eprosima::fastdds::dds;
 
-/// What a node's publishers and subscribers share; the last of them to go deletes it, so the order in
-/// which they and the node are destroyed does not matter.
+/// State shared by a node's publishers and subscribers. The last of them deletes it, so the order in which
+/// they and the node are destroyed does not matter.
 class Participant final : public dds::DomainParticipantListener {
   public:
     explicit Participant(const Options& options);
@@ -36,14 +36,14 @@ class Participant final : public dds::DomainParticipantListener {
     Participant(const Participant&) = delete;
     Participant& operator=(const Participant&) = delete;
 
-    /// The topic of that name, made (and its type registered) on first use.
+    /// The topic of that name; created, and its type registered, on first use.
     [[nodiscard]] dds::Topic* topic(std::string_view name, dds::TypeSupport type);
 
     [[nodiscard]] std::vector<Peer> peers() const;
-    /// Of a writer that a reader here matches: it has been heard, or has fallen silent.
-    void heard(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive);
-    void let_go(std::string_view topic);
-    /// Where what is sent to this participant alone arrives; known once it writes something.
+    /// Liveliness of a writer that matches a reader here.
+    void on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive);
+    void release_ownership(std::string_view topic);
+    /// Unicast locators of this participant; known once it has a writer.
     [[nodiscard]] std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators() const;
     [[nodiscard]] bool contested() const { return admission_->contested(); }
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
@@ -61,11 +61,11 @@ class Participant final : public dds::DomainParticipantListener {
     void on_publisher_discovery(dds::DomainParticipant* participant,
                                 eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
     [[nodiscard]] bool in_session(const dds::PartitionQosPolicy& partitions) const;
-    void say_news();
+    void log_admission_changes();
     void close();
 
     std::shared_ptr<Admission> admission_;
-    LineLimit lines_;
+    LogThrottle lines_;
     std::mutex topics_mutex_;
     std::map<std::string, dds::Topic*, std::less<>> topics_;
     mutable std::mutex peers_mutex_;
@@ -77,7 +77,7 @@ class Participant final : public dds::DomainParticipantListener {
 
 struct Node::Impl {
     std::shared_ptr<Participant> participant;
-    EchoAnswers echo;
+    EchoResponder echo;
 };
 
 }  // namespace eti::bus

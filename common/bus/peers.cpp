@@ -9,7 +9,7 @@
 
 namespace eti::bus {
 
-std::vector<Peer> met_programs(const Node& node) {
+std::vector<Peer> discovered_peers(const Node& node) {
     std::vector<Peer> met = node.impl().participant->peers();
     std::ranges::sort(met, {}, [](const Peer& one) { return std::tie(one.name, one.process); });
     return met;

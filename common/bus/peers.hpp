@@ -11,19 +11,19 @@
 
 namespace eti::bus {
 
-/// A program of this project that a node has met on its domain, in whatever session.
+/// A program of this project that a node has discovered on its domain, in any session.
 struct Peer {
     std::string name;  ///< Options::name
     std::string session;
     std::string process;  ///< host:pid
-    int protocol = 0;     ///< that it speaks; see bus::protocol
-    bool serves = false;  ///< it writes the status of the node's session
+    int protocol = 0;     ///< its protocol version; see bus::protocol
+    bool serves = false;  ///< it publishes the status of the node's session
     std::string version;  ///< of its program
-    /// When it joined [ns, its system clock] and, to tell two of one instant apart, its identity.
+    /// Start time [ns, its system clock] and, to break ties, its identifier.
     std::pair<std::uint64_t, ParticipantId> started;
 };
 
-/// Those that the node has met, by name and process.
-[[nodiscard]] std::vector<Peer> met_programs(const Node& node);
+/// Peers that the node has discovered, by name and process.
+[[nodiscard]] std::vector<Peer> discovered_peers(const Node& node);
 
 }  // namespace eti::bus

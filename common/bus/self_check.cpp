@@ -21,11 +21,11 @@ constexpr std::chrono::milliseconds poll_interval{20};
                     options.session, options.domain, owner));
 }
 
-/// Throws when another server owns the session, or started on it before this one. Who writes a status without
-/// introducing itself as a server keeps nobody out.
+/// Throws when another server owns the session, or started on it before this one. A writer of the status that
+/// does not identify itself as a server is ignored.
 void refuse_second_server(const Participant& self) {
     for (const Peer& peer : self.peers()) {
-        // Two servers that start together are both silent still: the one that started first stays.
+        // Two servers that start together have both not published yet: the one that started first stays.
         if (peer.name == self.options.name && peer.session == self.options.session &&
             (peer.serves || peer.started < self.started())) {
             refuse(self.options, peer.process);
@@ -33,7 +33,7 @@ void refuse_second_server(const Participant& self) {
     }
 }
 
-/// A server joins the bus before it builds its patient, and publishes SessionStatus only after.
+/// A server joins the bus before it builds its patient, and publishes SessionStatus only afterwards.
 bool server_is_starting(const Participant& self) {
     return std::ranges::any_of(self.peers(), [&](const Peer& peer) {
         return peer.name == server_name && peer.session == self.options.session;
@@ -56,7 +56,7 @@ void look_for_server(const Participant& self, bool found, SelfCheck& check) {
             "no server in session '{}' on domain {}, but there is session {}; is that the --session meant?",
             self.options.session, self.options.domain, elsewhere));
     } else {
-        check.warnings.push_back(no_server(self.options));
+        check.warnings.push_back(missing_server_message(self.options));
     }
 }
 
@@ -81,7 +81,7 @@ void look_for_stale_memory(SelfCheck& check) {
 
 }  // namespace
 
-Absence absence_of_server(const Options& options) {
+DiscoveryTimeout explain_missing_server(const Options& options) {
     const bool alone = options.peers.empty() && options.discovery_servers.empty() && !options.network &&
                        options.profile.empty();
     return {fmt::format("no server found in session '{}' on domain {} ({})", options.session, options.domain,
@@ -95,8 +95,8 @@ Absence absence_of_server(const Options& options) {
                             : "; both need an --identity of the same lab (docs/security.md)")};
 }
 
-std::string no_server(const Options& options) {
-    const auto [finding, remedy] = absence_of_server(options);
+std::string missing_server_message(const Options& options) {
+    const auto [finding, remedy] = explain_missing_server(options);
     return fmt::format("{}: {}; eti-doctor says what is wrong", finding, remedy);
 }
 

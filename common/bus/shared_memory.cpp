@@ -9,7 +9,7 @@
 #include <fstream>
 #include <set>
 
-#include "common/process/descriptor.hpp"
+#include "common/process/files/descriptor.hpp"
 
 namespace eti::bus {
 
@@ -23,7 +23,7 @@ bool lock_is_free(const fs::path& file) {
 }
 
 struct Mappings {
-    std::set<std::string> files;  ///< of the folder, mapped by some process
+    std::set<std::string> files;  ///< files of the folder that some process maps
     std::set<uid_t> unreadable;   ///< users with a process whose mappings cannot be read
 };
 
@@ -33,7 +33,7 @@ Mappings mappings_of(const fs::path& folder) {
     const std::string prefix = folder.string() + "/";
     for (const auto& process : fs::directory_iterator("/proc", error)) {
         const std::string pid = process.path().filename().string();
-        // Process 1 may hide its mappings even from root, and maps nothing of ours.
+        // Process 1 may hide its mappings even from root, and maps none of our files.
         if (pid == "1" || pid.find_first_not_of("0123456789") != std::string::npos) {
             continue;
         }

@@ -8,14 +8,14 @@
 
 namespace eti::bus {
 
-/// Files of the DDS library's shared memory whose owner is gone.
+/// Shared-memory files of the DDS library whose owner is dead.
 struct StaleSharedMemory {
     std::vector<std::string> transport;     ///< fastrtps_*, removed by `fastdds shm clean`
-    std::vector<std::string> data_sharing;  ///< fast_datasharing_*, which that command leaves behind
+    std::vector<std::string> data_sharing;  ///< fast_datasharing_*, which that command does not remove
 };
 
-/// Looks in `folder`. A transport file is in use while its lock file is locked; a data-sharing file
-/// while a process maps it. What cannot be read (another user's) counts as in use.
+/// Searches `folder`. A transport file is in use while its lock file is locked, a data-sharing file while a
+/// process maps it. Unreadable files (another user's) count as in use.
 [[nodiscard]] StaleSharedMemory find_stale_shared_memory(const std::filesystem::path& folder = "/dev/shm");
 
 }  // namespace eti::bus

@@ -12,52 +12,52 @@ namespace eti::bus {
 
 namespace msg = ::eti::msg;
 
-/// Raised when a message or a topic changes so that older programs would misread it. Programs of different
-/// protocols do not meet; self_check() says so, with both versions. New keys of a SessionDescription do not
-/// count.
+/// Incremented when a change of a message or topic would make older programs misread it. Programs of
+/// different protocols do not match; self_check() reports both versions. New keys of a SessionDescription
+/// need no increment.
 inline constexpr int protocol = 7;
 
-/// The DDS partition of a session. Programs of another protocol would misread messages: they meet in another
-/// partition. No session's name holds a slash.
+/// The DDS partition of a session. Programs of another protocol would misread messages, so they use another
+/// partition. A session's name contains no slash.
 [[nodiscard]] inline std::string partition_of(const std::string& session) {
     return session + '/' + std::to_string(protocol);
 }
 
-/// From whom samples of a topic are taken.
-enum class Source : std::uint8_t {
-    anybody,
-    server,  ///< the participant that owns the session, alone
-    first,   ///< one writer at a time: whoever was found first, until it falls silent or goes
+/// From which writers samples of a topic are accepted.
+enum class WriterPolicy : std::uint8_t {
+    any,
+    server,     ///< the participant that owns the session, alone
+    exclusive,  ///< one writer at a time: the first discovered, until it falls silent or leaves
 };
 
-/// How a topic travels.
-struct Quality {
+/// QoS of a topic.
+struct Qos {
     bool reliable = false;
-    bool transient_local = false;    ///< late joiners get the last sample of each key
+    bool transient_local = false;    ///< late joiners receive the last sample of each key
     int depth = 1;                   ///< samples kept per key
-    bool manual_liveliness = false;  ///< a hung loop shows within 300 ms
-    Source from = Source::server;
+    bool manual_liveliness = false;  ///< a hung loop is detected within 300 ms
+    WriterPolicy from = WriterPolicy::server;
 };
 
 template <class Message>
 struct Topic {
     std::string_view name;
-    Quality quality;
+    Qos qos;
 };
 
-struct TopicSource {
+struct TopicWriterPolicy {
     std::string_view name;
-    Source from;
+    WriterPolicy from;
 };
 
-/// Every topic: X(name, message, members of Quality...). A new topic is a struct in eti.idl and a row here.
+/// Every topic: X(name, message, members of Qos...). A new topic is a struct in eti.idl and a row here.
 // Best effort with room for the chunks of a few states: keep last 1 would drop all but the last chunk.
 #define ETI_TOPICS(X)                                                                     \
     X(session_description, SessionDescription, .reliable = true, .transient_local = true) \
     X(scene, SceneDescription, .reliable = true, .transient_local = true)                 \
-    X(laryngoscope_pose, ToolPose, .from = Source::first)                                 \
-    X(tube_pose, ToolPose, .from = Source::first)                                         \
-    X(eye_pose, EyePose, .from = Source::first)                                           \
+    X(laryngoscope_pose, ToolPose, .from = WriterPolicy::exclusive)                       \
+    X(tube_pose, ToolPose, .from = WriterPolicy::exclusive)                               \
+    X(eye_pose, EyePose, .from = WriterPolicy::exclusive)                                 \
     X(proxy, ProxyState)                                                                  \
     X(tissue_contacts, TissueContacts)                                                    \
     X(tube_force, TubeForce)                                                              \
@@ -66,22 +66,22 @@ struct TopicSource {
     X(fluid, FluidState, .depth = 128)                                                    \
     X(particle_state, ParticleState, .depth = 1024)                                       \
     X(mesh_state, MeshState, .depth = 1024)                                               \
-    X(command, Command, .reliable = true, .depth = 64, .from = Source::anybody)           \
+    X(command, Command, .reliable = true, .depth = 64, .from = WriterPolicy::any)         \
     X(command_result, CommandResult, .reliable = true, .depth = 64)                       \
-    X(annotation, Annotation, .reliable = true, .depth = 64, .from = Source::anybody)     \
+    X(annotation, Annotation, .reliable = true, .depth = 64, .from = WriterPolicy::any)   \
     X(shown_annotation, ShownAnnotation, .reliable = true, .transient_local = true)       \
     X(live_metrics, LiveMetrics)                                                          \
     X(attempt_summary, AttemptSummary, .reliable = true, .transient_local = true)         \
-    X(echo_question, Echo, .depth = 16, .from = Source::anybody)                          \
-    X(echo_answer, Echo, .depth = 64, .from = Source::anybody)                            \
+    X(echo_question, Echo, .depth = 16, .from = WriterPolicy::any)                        \
+    X(echo_answer, Echo, .depth = 64, .from = WriterPolicy::any)                          \
     X(session_status, SessionStatus, .reliable = true, .transient_local = true, .manual_liveliness = true)
 
 namespace topics {
 #define ETI_TOPIC(name, message, ...) inline constexpr Topic<msg::message> name{"eti/" #name, {__VA_ARGS__}};
 ETI_TOPICS(ETI_TOPIC)
 #undef ETI_TOPIC
-#define ETI_TOPIC(topic, ...) {topics::topic.name, topics::topic.quality.from},
-inline constexpr TopicSource all[] = {ETI_TOPICS(ETI_TOPIC)};
+#define ETI_TOPIC(topic, ...) {topics::topic.name, topics::topic.qos.from},
+inline constexpr TopicWriterPolicy all[] = {ETI_TOPICS(ETI_TOPIC)};
 #undef ETI_TOPIC
 }  // namespace topics
 

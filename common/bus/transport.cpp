@@ -18,7 +18,7 @@
 
 #include "common/bus/discovery_server.hpp"
 #include "common/bus/library_log.hpp"
-#include "common/process/descriptor.hpp"
+#include "common/process/files/descriptor.hpp"
 
 namespace eti::bus {
 
@@ -29,9 +29,9 @@ using eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
-// Sized for a burst of 240 kB at 90 Hz, of which the kernel's default of 208 kB loses three quarters.
+// Sized for a burst of 240 kB at 90 Hz; the kernel's default of 208 kB loses three quarters of it.
 constexpr std::uint32_t socket_buffer = 4u << 20;
-// Participants looked for on each machine; the library's own 4 leave out a fifth program.
+// Participants probed on each host; the library's default of 4 misses a fifth program.
 constexpr std::uint32_t participants_per_machine = 32;
 constexpr const char* loopback = "127.0.0.1";
 
@@ -54,22 +54,22 @@ rtps::Locator_t locator_of(const std::string& host, const char* option) {
     return locator;
 }
 
-void add_peers(const std::vector<std::string>& peers, dds::DomainParticipantQos& quality) {
-    auto& list = quality.wire_protocol().builtin.initialPeersList;
+void add_peers(const std::vector<std::string>& peers, dds::DomainParticipantQos& qos) {
+    auto& list = qos.wire_protocol().builtin.initialPeersList;
     list.push_back(locator_of(loopback, "--peer"));
     for (const std::string& peer : peers) {
         list.push_back(locator_of(peer, "--peer"));
     }
 }
 
-/// As 'fastdds discovery --server-id' has it.
+/// As used by 'fastdds discovery --server-id'.
 std::string server_prefix(std::size_t number) {
     return fmt::format("44.53.{:02x}.5f.45.50.52.4f.53.49.4d.41", number);
 }
 
-/// HOST or HOST:PORT; the place in the list is the server's id, as 'fastdds discovery --server-id' has it.
-void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainParticipantQos& quality) {
-    auto& config = quality.wire_protocol().builtin.discovery_config;
+/// HOST or HOST:PORT; the index in the list is the server's id, as in 'fastdds discovery --server-id'.
+void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainParticipantQos& qos) {
+    auto& config = qos.wire_protocol().builtin.discovery_config;
     config.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
     for (std::size_t id = 0; id < servers.size(); ++id) {
         const std::string& server = servers[id];
@@ -94,33 +94,34 @@ void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainP
     }
 }
 
-dds::DomainParticipantQos profile_quality(const std::filesystem::path& file) {
+dds::DomainParticipantQos profile_qos(const std::filesystem::path& file) {
     auto* factory = dds::DomainParticipantFactory::get_instance();
     if (!std::filesystem::is_regular_file(file)) {
         throw BusError(fmt::format(
-            "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/dds)",
+            "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/data/dds)",
             file.string()));
     }
-    // The library keeps the first profile of a name; another node of this process may have another file.
+    // The library keeps the first profile of a name; another node of this process may use another file.
     eprosima::fastrtps::xmlparser::XMLProfileManager::DeleteInstance();
     if (factory->load_XML_profiles_file(file.string()) != ReturnCode_t::RETCODE_OK) {
-        throw BusError(fmt::format(
-            "profile {}: not a valid Fast DDS XML profile (the lines above say where); compare deploy/dds",
-            file.string()));
+        throw BusError(
+            fmt::format("profile {}: not a valid Fast DDS XML profile (the lines above say where); compare "
+                        "deploy/data/dds",
+                        file.string()));
     }
-    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    if (factory->get_participant_qos_from_profile("eti", quality) != ReturnCode_t::RETCODE_OK) {
+    dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+    if (factory->get_participant_qos_from_profile("eti", qos) != ReturnCode_t::RETCODE_OK) {
         throw BusError(fmt::format(
             "profile {}: holds no <participant profile_name=\"eti\">; name the participant profile 'eti'",
             file.string()));
     }
-    return quality;
+    return qos;
 }
 
-/// UDP, where `reaches_network` over every interface, else over loopback. No shared memory: a process that is
-/// killed or starved while it holds one of the library's locks there ends or stalls the others
+/// UDP on every interface if `reaches_network`, else on loopback. No shared memory: a process that is killed
+/// or starved while it holds one of the library's locks there ends or stalls the others
 /// (docs/decisions/bus-transport.md).
-void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality) {
+void use_own_transports(bool reaches_network, dds::DomainParticipantQos& qos) {
     auto udp = std::make_shared<UDPv4TransportDescriptor>();
     udp->sendBufferSize = socket_buffer;
     udp->receiveBufferSize = socket_buffer;
@@ -128,17 +129,17 @@ void use_own_transports(bool reaches_network, dds::DomainParticipantQos& quality
     if (!reaches_network) {
         udp->interfaceWhiteList.emplace_back(loopback);
     }
-    quality.transport().use_builtin_transports = false;
-    quality.transport().user_transports = {udp};
-    quality.transport().send_socket_buffer_size = socket_buffer;
-    quality.transport().listen_socket_buffer_size = socket_buffer;
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports = {udp};
+    qos.transport().send_socket_buffer_size = socket_buffer;
+    qos.transport().listen_socket_buffer_size = socket_buffer;
 }
 
-/// Warns when the kernel grants less than asked for: it does so in silence.
+/// Warns when the kernel grants less than requested, which it does silently.
 void check_socket_buffer(int option, const char* kernel_setting, std::vector<std::string>& warnings) {
     const Descriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     if (!probe) {
-        return;  // the participant itself will say that there is no network
+        return;  // the participant itself reports a missing network
     }
     const int wanted = static_cast<int>(socket_buffer);
     int granted = 0;
@@ -155,7 +156,7 @@ void check_socket_buffer(int option, const char* kernel_setting, std::vector<std
 
 }  // namespace
 
-dds::DomainParticipantQos participant_quality(const Options& options, std::vector<std::string>& warnings) {
+dds::DomainParticipantQos participant_qos(const Options& options, std::vector<std::string>& warnings) {
     const bool by_peers = !options.peers.empty(), by_server = !options.discovery_servers.empty();
     if (!options.profile.empty() && (by_peers || by_server || options.network)) {
         throw BusError(
@@ -171,48 +172,49 @@ dds::DomainParticipantQos participant_quality(const Options& options, std::vecto
             "--peer together with --discovery-server: the server tells who is there; give one of the two");
     }
     if (!options.profile.empty()) {
-        dds::DomainParticipantQos quality = profile_quality(options.profile);
-        if (quality.transport().use_builtin_transports) {
-            // The library's own would have no filter before them.
-            const auto given = quality.transport().user_transports;
-            use_own_transports(true, quality);
-            quality.transport().user_transports.insert(quality.transport().user_transports.end(),
-                                                       given.begin(), given.end());
+        dds::DomainParticipantQos qos = profile_qos(options.profile);
+        if (qos.transport().use_builtin_transports) {
+            // The library's own transports would have no filter in front.
+            const auto given = qos.transport().user_transports;
+            use_own_transports(true, qos);
+            qos.transport().user_transports.insert(qos.transport().user_transports.end(), given.begin(),
+                                                   given.end());
         }
-        return quality;
+        return qos;
     }
-    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(options.network || by_peers || by_server, quality);
+    dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+    use_own_transports(options.network || by_peers || by_server, qos);
     if (by_peers) {
-        add_peers(options.peers, quality);
+        add_peers(options.peers, qos);
     } else if (by_server) {
-        add_discovery_servers(options.discovery_servers, quality);
+        add_discovery_servers(options.discovery_servers, qos);
     }
     check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
     check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings);
-    return quality;
+    return qos;
 }
 
-dds::DomainParticipantQos discovery_server_quality(int number, const std::string& address, std::uint16_t port,
-                                                   std::vector<std::string>& warnings) {
-    dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(true, quality);
-    auto& builtin = quality.wire_protocol().builtin;
+dds::DomainParticipantQos discovery_server_qos(int number, const std::string& address, std::uint16_t port,
+                                               std::vector<std::string>& warnings) {
+    dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+    use_own_transports(true, qos);
+    auto& builtin = qos.wire_protocol().builtin;
     builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
-    std::istringstream(server_prefix(static_cast<std::size_t>(number))) >> quality.wire_protocol().prefix;
+    std::istringstream(server_prefix(static_cast<std::size_t>(number))) >> qos.wire_protocol().prefix;
     rtps::Locator_t locator = locator_of(address.empty() ? "0.0.0.0" : address, "--address");
     rtps::IPLocator::setPhysicalPort(locator, port);
     builtin.metatrafficUnicastLocatorList.push_back(locator);
     check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
-    return quality;
+    return qos;
 }
 
-std::optional<rtps::Locator_t> shared_locator(const Options& options, std::size_t topic) {
+std::optional<rtps::Locator_t> multicast_locator(const Options& options, std::size_t topic) {
     if (!options.profile.empty() || !options.peers.empty() || !options.discovery_servers.empty()) {
         return std::nullopt;
     }
-    // A site-local group beside discovery's. A port for each topic, because the library joins one group a
-    // port; of the domain's 250 ports (DDSI-RTPS 2.5, 9.6.1.1) those above the first 45 participants'.
+    // A site-local group beside the discovery group. One port per topic, because the library joins one group
+    // per port. The ports are those of the domain's 250 (DDSI-RTPS 2.5, 9.6.1.1) above the first 45
+    // participants'.
     rtps::Locator_t locator;
     rtps::IPLocator::setIPv4(locator, "239.255.18.1");
     locator.port = static_cast<std::uint32_t>(7500 + 250 * options.domain + static_cast<int>(topic));

@@ -21,7 +21,7 @@ Wrench coupling_wrench(const Motion& device, const Motion& proxy, const Coupling
                 settings.rotational_damping * (proxy.angular_velocity - device.angular_velocity)};
 }
 
-Wrench limited(const Wrench& wrench, const CouplingSettings& settings) {
+Wrench clamp_to_limits(const Wrench& wrench, const CouplingSettings& settings) {
     if (!wrench.force.allFinite() || !wrench.torque.allFinite()) {
         return {};
     }

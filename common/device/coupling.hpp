@@ -19,7 +19,7 @@ struct Motion {
     Vec3f angular_velocity = Vec3f::Zero();
 };
 
-/// The spring-damper between device and proxy, and the limits of the device.
+/// Virtual coupling between device and proxy (spring and damper), and the device's limits.
 struct CouplingSettings {
     float stiffness = 800.0f;           ///< [N/m]
     float damping = 2.0f;               ///< [N s/m]
@@ -31,11 +31,12 @@ struct CouplingSettings {
     float force_rate_limit = 600.0f;    ///< [N/s]
 };
 
-/// Wrench on the device from the proxy that the shell holds back (virtual coupling, Colgate 1995).
+/// Wrench [N, N m] that the virtual coupling to the constrained proxy applies to the device (Colgate 1995).
 [[nodiscard]] Wrench coupling_wrench(const Motion& device, const Motion& proxy,
                                      const CouplingSettings& settings);
 
-/// Shortens force and torque to the device's limits; a wrench that is not finite becomes zero.
-[[nodiscard]] Wrench limited(const Wrench& wrench, const CouplingSettings& settings);
+/// Limits force and torque to the device's range, keeping their direction. Returns zero for a non-finite
+/// wrench.
+[[nodiscard]] Wrench clamp_to_limits(const Wrench& wrench, const CouplingSettings& settings);
 
 }  // namespace eti

@@ -8,10 +8,10 @@ namespace eti {
 
 namespace {
 
-/// Velocity after `dt` of a mass on a spring-damper to a moving goal by backward Euler: spring, damping
-/// and Coulomb friction are all taken at the end of the step, so no stiffness makes it unstable, energy
-/// never grows, and what sticks stays. The price is a numerical damping of stiffness * dt, 5 % of the
-/// hand's own at 1 ms.
+/// Velocity after `dt` of a mass that a spring-damper pulls to a moving goal, by backward Euler. Spring,
+/// damping and Coulomb friction are all evaluated at the end of the step. The step is therefore stable at any
+/// stiffness, never adds energy, and keeps static friction. The price is a numerical damping of stiffness *
+/// dt, 5 % of the hand's own at 1 ms.
 Vec3f implicit_velocity(const Vec3f& velocity, const Vec3f& towards_goal, const Vec3f& goal_velocity,
                         const Vec3f& load, float mass, float stiffness, float damping, float own_damping,
                         float friction, float dt) {
@@ -30,7 +30,7 @@ HandDevice::HandDevice(const HandSettings& settings, const RigidTransform& start
     : settings_(settings), motion_{start, Vec3f::Zero(), Vec3f::Zero()}, last_wanted_(start) {}
 
 void HandDevice::step(const RigidTransform& wanted, const Wrench& wrench, float dt) {
-    // One bad sample must not stay in the state for ever.
+    // A single invalid sample must not corrupt the state permanently.
     if (!(dt > 0.0f) || !is_rigid(wanted) || !wrench.force.allFinite() || !wrench.torque.allFinite()) {
         return;
     }

@@ -14,19 +14,19 @@ struct HandSettings {
     float device_rotational_damping = 1e-3f;  ///< [N m s/rad]
     float friction = 0.05f;                   ///< [N], Coulomb
     float encoder_step = 0.03e-3f;            ///< [m], of the reported position
-    float hand_stiffness = 900.0f;            ///< [N/m], of a firm grip towards where the hand wants to be
+    float hand_stiffness = 900.0f;            ///< [N/m], of a firm grip towards the wanted pose
     float hand_damping = 18.0f;               ///< [N s/m]
     float hand_rotational_stiffness = 4.0f;   ///< [N m/rad]
     float hand_rotational_damping = 0.03f;    ///< [N m s/rad]
 };
 
-/// Simulated device held by a hand: the hand pulls towards the pose it wants through its impedance,
-/// so a script can ask for a pose and never dictate a force.
+/// Simulated haptic device held by a hand. The hand pulls towards its wanted pose through its impedance: a
+/// script prescribes poses, never forces.
 class HandDevice {
   public:
     HandDevice(const HandSettings& settings, const RigidTransform& start);
 
-    /// Advances by `dt` [s] (at most 2 ms) under the hand's pull to `wanted` and the device's `wrench`.
+    /// Advances by `dt` [s] (at most 2 ms) under the hand's pull towards `wanted` and the device's `wrench`.
     void step(const RigidTransform& wanted, const Wrench& wrench, float dt);
 
     [[nodiscard]] const Motion& motion() const { return motion_; }

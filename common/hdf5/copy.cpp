@@ -91,7 +91,7 @@ class Copier {
         }
     }
 
-    /// Whether another path of the same data set has been copied; then the copy is linked to it.
+    /// Whether another path to the same data set has been copied already; if so, links the copy to it.
     bool linked(hid_t source, const std::string& path) {
         H5O_info_t info;
         if (H5Oget_info(source, &info) < 0 || info.rc < 2) {
@@ -150,11 +150,11 @@ class Copier {
         }
     }
 
-    /// Texts as they shall be; empty where none of them changes.
+    /// The rewritten texts; empty when none of them changes.
     std::vector<std::string> rewritten(hid_t source, hid_t type, const std::string& path,
                                        std::size_t rows) const {
         const std::size_t width = H5Tget_size(type);
-        if (rows > largest_read_bytes / width) {
+        if (rows > max_read_bytes / width) {
             fail(path, "the data set claims too many rows");
         }
         std::vector<char> bytes(rows * width);
@@ -194,7 +194,7 @@ class Copier {
         std::vector<std::byte> bytes;
         for (std::size_t axis = 0; axis < rank;) {
             hsize_t size = 0;
-            if (H5Dget_chunk_storage_size(source, offset.data(), &size) < 0 || size > largest_read_bytes) {
+            if (H5Dget_chunk_storage_size(source, offset.data(), &size) < 0 || size > max_read_bytes) {
                 fail(path, "a chunk cannot be found");
             }
             if (size > 0) {
@@ -205,7 +205,7 @@ class Copier {
                     fail(path, "a chunk cannot be copied");
                 }
             }
-            // The next chunk: on along the first axis that goes on, from the start along those before.
+            // Next chunk: advance the first axis that has chunks left and reset the axes before it.
             for (axis = 0; axis < rank; ++axis) {
                 offset[axis] += chunk[axis];
                 if (offset[axis] < extent[axis]) {
@@ -217,7 +217,7 @@ class Copier {
     }
 
     void copy_values(hid_t source, hid_t copy, hid_t type, const std::string& path, std::size_t count) {
-        if (count > largest_read_bytes / H5Tget_size(type)) {
+        if (count > max_read_bytes / H5Tget_size(type)) {
             fail(path, "the data set claims too many rows");
         }
         std::vector<std::byte> values(count * H5Tget_size(type));

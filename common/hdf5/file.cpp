@@ -7,7 +7,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "common/process/file_kind.hpp"
+#include "common/process/files/file_kind.hpp"
 
 namespace eti::hdf5 {
 
@@ -16,26 +16,26 @@ namespace {
 Handle access_properties() {
     Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_libver_bounds(properties.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-    // A file is closed when its handle is, whatever else is still open in it.
+    // Closing the handle closes the file, even if other objects in it are still open.
     H5Pset_fclose_degree(properties.get(), H5F_CLOSE_STRONG);
-    // Some network file systems know no locks; recording there is better than refusing.
+    // Some network file systems do not support locks; recording without one is better than refusing.
     H5Pset_file_locking(properties.get(), true, true);
-    // What is written lies in the file when the call returns, where a kill cannot take it.
+    // Data is in the file when the call returns, so killing the process does not lose it.
     H5Pset_sieve_buf_size(properties.get(), 0);
     return properties;
 }
 
-/// What a Unix kernel copies into a file in one piece. A signal that kills the writer can end a write
-/// between two of them.
+/// The unit in which a Unix kernel copies data into a file [bytes]. A signal that kills the writer can end a
+/// write between two such units.
 constexpr hsize_t memory_page = 4096;
 
-/// Blocks of the file's structure that are smaller than a page lie within one, so that a killed writer
-/// leaves each of them either as it was or as it was to be, and never with a checksum that does not fit.
+/// Metadata blocks smaller than a page never cross a page boundary. A killed writer therefore leaves each
+/// block either old or new, never with a checksum that does not match.
 Handle creation_properties() {
     Handle properties(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_file_space_strategy(properties.get(), H5F_FSPACE_STRATEGY_PAGE, false, 1);
     H5Pset_file_space_page_size(properties.get(), memory_page);
-    H5Pset_obj_track_times(properties.get(), false);  // of the root; nobody reads when it was made
+    H5Pset_obj_track_times(properties.get(), false);  // of the root group; creation times are unused
     return properties;
 }
 
@@ -43,12 +43,12 @@ unsigned flags_of(Access access) {
     switch (access) {
         case Access::read:
             return H5F_ACC_RDONLY;
-        case Access::read_beside_writer:
-        case Access::read_left_behind:
+        case Access::read_swmr:
+        case Access::read_orphaned:
             return H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
         case Access::modify:
             return H5F_ACC_RDWR;
-        case Access::append_beside_readers:
+        case Access::append_swmr:
             return H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE;
     }
     return H5F_ACC_RDONLY;
@@ -56,9 +56,9 @@ unsigned flags_of(Access access) {
 
 }  // namespace
 
-void require_plain_file(const std::filesystem::path& path) {
+void require_regular_file(const std::filesystem::path& path) {
     std::error_code error;
-    const std::string kind = no_plain_file(path);
+    const std::string kind = describe_non_regular(path);
     if (kind == "nothing") {
         throw Error(fmt::format("{}: no such file; check the path", path.string()));
     }
@@ -100,22 +100,23 @@ File File::create(const std::filesystem::path& path) {
     return {std::move(id), path};
 }
 
-File File::open(const std::filesystem::path& path, Access access, const std::filesystem::path& shown_as) {
+File File::open(const std::filesystem::path& path, Access access, const std::filesystem::path& display_name) {
     prepare_thread();
-    require_plain_file(path);
+    require_regular_file(path);
     if (H5Fis_hdf5(path.c_str()) <= 0) {
         throw Error(fmt::format("{}: not an HDF5 file", path.string()));
     }
     const Handle properties = access_properties();
-    if (access == Access::read_left_behind) {
-        // Else the library waits for up to a second on every damaged block, which nobody will mend.
+    if (access == Access::read_orphaned) {
+        // By default the library retries every damaged block for up to a second, although no writer will
+        // complete it.
         H5Pset_metadata_read_attempts(properties.get(), 1);
     }
     Handle id(H5Fopen(path.c_str(), flags_of(access), properties.get()), H5Fclose);
     if (!id) {
         throw Error(fmt::format("{}: cannot be opened: {}", path.string(), last_error()));
     }
-    return {std::move(id), shown_as.empty() ? path : shown_as};
+    return {std::move(id), display_name.empty() ? path : display_name};
 }
 
 void File::close() {

@@ -10,9 +10,10 @@ namespace eti::hdf5 {
 
 namespace {
 
-/// 64 KiB to 1 MiB compress well and keep the library's chunk cache (1 MiB) useful.
+/// Chunks of 64 KiB to 1 MiB compress well and fit the library's chunk cache (1 MiB).
 constexpr std::size_t chunk_bytes = std::size_t{1} << 18;
-/// On a patient model level 4 saves 2 % against level 1 and takes 1.3 times as long, level 9 3 % and 4 times.
+/// On a patient model, level 4 saves 2 % over level 1 and takes 1.3 times as long; level 9 saves 3 % and
+/// takes 4 times as long.
 constexpr unsigned deflate_level = 1;
 
 std::string shape_text(const Shape& shape) {
@@ -31,7 +32,7 @@ bool set_attribute(hid_t object, const std::string& name, hid_t type, const void
     return attribute && H5Awrite(attribute.get(), type, value) >= 0;
 }
 
-/// Text attributes have variable length: h5py then hands them out as text, not as bytes.
+/// Text attributes have variable length, which h5py returns as str instead of bytes.
 bool set_text_attribute(hid_t object, const std::string& name, std::string_view value) {
     const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
     H5Tset_size(type.get(), H5T_VARIABLE);
@@ -161,7 +162,7 @@ Group::Opened Group::open_numbers(const std::string& name, bool floating, std::s
                                 shape_text(expected)));
     }
     for (const std::size_t extent : opened.shape) {
-        if (extent != 0 && opened.count > largest_read_bytes / size / extent) {
+        if (extent != 0 && opened.count > max_read_bytes / size / extent) {
             throw Error(fmt::format("{}: the shape {} is larger than any such data set can be: damaged",
                                     at(name), shape_text(opened.shape)));
         }
@@ -200,7 +201,7 @@ std::vector<std::string> Group::read_texts(const std::string& name) const {
     const hssize_t count = H5Sget_simple_extent_npoints(space.get());
     const std::size_t width = H5Tget_size(file_type.get());
     if (H5Tget_class(file_type.get()) != H5T_STRING || H5Tis_variable_str(file_type.get()) != 0 ||
-        count < 0 || width == 0 || static_cast<std::size_t>(count) > largest_read_bytes / width) {
+        count < 0 || width == 0 || static_cast<std::size_t>(count) > max_read_bytes / width) {
         throw Error(fmt::format("{}: expected fixed-length texts", at(name)));
     }
     std::string packed(width * static_cast<std::size_t>(count), '\0');

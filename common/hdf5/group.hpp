@@ -16,10 +16,10 @@ namespace eti::hdf5 {
 /// Extents of a data set, slowest first.
 using Shape = std::vector<std::size_t>;
 
-/// An extent that the reader of a data set does not prescribe.
+/// An extent that the reader of a data set leaves open.
 inline constexpr std::size_t any_extent = static_cast<std::size_t>(-1);
 
-/// What every data set says of itself. Numbers without a unit have the unit "1".
+/// Unit and description that every data set carries. Dimensionless data sets have the unit "1".
 struct Label {
     std::string_view units;
     std::string_view description;
@@ -31,7 +31,7 @@ struct Array {
     std::vector<T> values;  ///< last extent fastest
 };
 
-/// A group of a file. Every function throws Error, which names file, path and finding.
+/// A group of a file. Every function throws Error, which names the file, the path and the problem.
 class Group {
   public:
     Group() = default;
@@ -73,14 +73,14 @@ class Group {
     void set_text(const std::string& attribute, std::string_view value) const;
     void set_number(const std::string& attribute, double value) const;
     void set_integer(const std::string& attribute, std::uint64_t value) const;
-    /// Changes an integer attribute that exists; false on failure. Takes no room in the file.
+    /// Changes an existing integer attribute in place; false on failure.
     [[nodiscard]] bool change_integer(const std::string& attribute, std::uint64_t value) const;
     [[nodiscard]] std::string text(const std::string& attribute) const;
     [[nodiscard]] double number(const std::string& attribute) const;
     [[nodiscard]] std::uint64_t integer(const std::string& attribute) const;
     [[nodiscard]] std::vector<std::string> attributes() const;
 
-    /// Error text for a member of this group.
+    /// Location of a member of this group, for error texts.
     [[nodiscard]] std::string at(const std::string& name) const;
 
   private:
@@ -105,8 +105,8 @@ class Group {
 /// Fixed-length, null-padded UTF-8.
 [[nodiscard]] Handle fixed_text_type(std::size_t size);
 
-/// No data set of ours comes near; larger claims are a damaged file, and are refused before memory
-/// is asked for.
-inline constexpr std::size_t largest_read_bytes = std::size_t{4} << 30;
+/// Upper limit [bytes] on one read, far above any data set of this project. A larger claim means a damaged
+/// file; it is rejected before memory is allocated.
+inline constexpr std::size_t max_read_bytes = std::size_t{4} << 30;
 
 }  // namespace eti::hdf5

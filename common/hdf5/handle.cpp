@@ -13,7 +13,7 @@ void prepare_thread() {
         H5dont_atexit();
         H5open();
     });
-    // The error stack, and with it the printing, belongs to the thread.
+    // The error stack and its printing are per thread.
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -32,7 +32,7 @@ herr_t keep_innermost(unsigned, const H5E_error2_t* error, void* text) {
 std::string last_error() {
     std::string text;
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
-    // A failed system call comes with file descriptor, buffer and offset; its own words are enough.
+    // Keep only the system's own message of a failed system call; drop file descriptor, buffer and offset.
     constexpr std::string_view mark = "error message = '";
     if (const std::size_t start = text.find(mark); start != std::string::npos) {
         const std::size_t first = start + mark.size();

@@ -12,7 +12,7 @@
 
 namespace eti::hdf5 {
 
-/// What went wrong with a file, naming the file, the place inside it and the finding.
+/// An error of a file; the text names the file, the location inside it and the problem.
 class Error : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
@@ -41,13 +41,13 @@ class Handle {
     [[nodiscard]] hid_t get() const { return id_; }
     explicit operator bool() const { return id_ >= 0; }
 
-    /// False if the library could not close it (unwritten data on a full disk).
+    /// False if the library cannot close it (unwritten data on a full disk).
     bool close() {
         const hid_t id = std::exchange(id_, -1);
         return id < 0 || closer_(id) >= 0;
     }
 
-    /// Gives the identifier up without closing it.
+    /// Releases the identifier without closing it.
     void abandon() { id_ = -1; }
 
   private:
@@ -55,9 +55,9 @@ class Handle {
     Closer closer_ = nullptr;
 };
 
-/// Call first on every thread that uses HDF5. The library then returns errors and prints none, and
-/// it leaves open files alone when the program exits: a file that cannot be written (full disk)
-/// would otherwise hold up the exit with a page of its own messages.
+/// Call first on every thread that uses HDF5. The library then returns errors instead of printing them and
+/// skips open files at exit. Otherwise a file that cannot be written (full disk) would delay the exit with a
+/// page of the library's messages.
 void prepare_thread();
 
 /// The innermost message of this thread's last failure, e.g. "file signature not found".

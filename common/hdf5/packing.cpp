@@ -37,7 +37,7 @@ void write_skin(const Group& group, const std::vector<SkinWeights>& skin) {
 }
 
 std::vector<SkinWeights> read_skin(const Group& group, std::size_t count) {
-    // Files of older programs have four frames a point.
+    // Files of older versions have four frames per point.
     const auto frames = group.read<std::uint16_t>("skin_frame", {count, any_extent});
     const std::size_t width = frames.shape[1];
     if (width > frames_per_point) {
@@ -124,8 +124,8 @@ void require_indices(const Group& group, const std::string& name, std::span<cons
 }
 
 void require_skin(const Group& group, std::span<const SkinWeights> skin, std::size_t frames) {
-    // Eight float32 weights that each were rounded once sum to one within 8 * 6e-8; 1e-3 also takes
-    // weights that a tool rounded to three decimals, and no weight that was lost.
+    // The sum of eight float32 weights, each rounded once, is within 8 * 6e-8 of one. The tolerance also
+    // accepts weights that a tool rounded to three decimals, but no missing weight.
     constexpr float tolerance = 1e-3f;
     for (std::size_t i = 0; i < skin.size(); ++i) {
         float sum = 0.0f;

@@ -16,7 +16,7 @@
 
 namespace eti::hdf5 {
 
-/// Rows of N equal numbers without padding, which a file holds as a data set with N columns.
+/// Rows of N equal numbers without padding, stored as a data set with N columns.
 template <class Row>
 struct RowOf;
 template <>
@@ -45,7 +45,7 @@ void write_rows(const Group& group, const std::string& name, const std::vector<R
     group.write(name, numbers_of(rows), {rows.size(), columns_of<Row>}, label);
 }
 
-/// Reads `count` rows, or any number of them.
+/// Reads `count` rows; any_extent reads all.
 template <class Row>
 [[nodiscard]] std::vector<Row> read_rows(const Group& group, const std::string& name,
                                          std::size_t count = any_extent) {
@@ -67,16 +67,16 @@ void write_mesh(const Group& group, const TriangleMesh& mesh);
 void write_skin(const Group& group, const std::vector<SkinWeights>& skin);
 [[nodiscard]] std::vector<SkinWeights> read_skin(const Group& group, std::size_t count);
 
-/// Tissue numbers; the names they stand for belong into the description.
+/// Writes tissue numbers; state the names of the numbers in the description.
 void write_tissues(const Group& group, const std::string& name, const std::vector<Tissue>& tissues);
 [[nodiscard]] std::vector<Tissue> read_tissues(const Group& group, const std::string& name,
                                                std::size_t count);
 
 void write_surface(const Group& group, const Surface& surface);
-/// Of a model with so many `frames`. Throws Error naming what does not fit.
+/// Reads a surface of a model with `frames` frames. Throws Error naming the inconsistent data set.
 [[nodiscard]] Surface read_surface(const Group& group, std::size_t frames);
 
-// What a file must satisfy before anything computes with it. Each throws Error naming the data set.
+// Checks to run before computing with a file's contents. Each throws Error naming the data set.
 void require_finite(const Group& group, const std::string& name, std::span<const float> values);
 void require_indices(const Group& group, const std::string& name, std::span<const std::uint32_t> indices,
                      std::size_t count, std::string_view of_what);

@@ -9,7 +9,7 @@
 
 namespace eti {
 
-/// FNV-1a over raw bytes, 64 bits: tells states and files apart, not a protection against a forger.
+/// FNV-1a over raw bytes, 64 bits. Distinguishes states and files; not cryptographic.
 class Hash {
   public:
     template <class T, std::size_t extent>

@@ -8,8 +8,8 @@
 
 namespace eti {
 
-/// SplitMix64 (Steele, Lea & Flood 2014). Own code rather than <random> distributions, because
-/// those differ between standard libraries and a session must re-run to the same bits.
+/// SplitMix64 (Steele, Lea & Flood 2014). Not a <random> distribution: those differ between standard
+/// libraries, and a session must reproduce bit for bit.
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed) {}

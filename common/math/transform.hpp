@@ -41,14 +41,14 @@ struct RigidTransform {
     }
 };
 
-/// What lies a `share` (0..1) of the way from `a` to `b`: turned about the shortest arc, shifted along a
+/// Interpolates from `a` (share 0) to `b` (share 1): rotation along the shortest arc, translation along a
 /// line.
 [[nodiscard]] inline RigidTransform interpolate(const RigidTransform& a, const RigidTransform& b,
                                                 float share) {
     return {a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
 }
 
-/// Whether all numbers are finite and the quaternion stands for a rotation: of unit length within 1e-2.
+/// Whether all numbers are finite and the quaternion's norm is within 1e-2 of one.
 [[nodiscard]] inline bool is_rigid(const RigidTransform& pose) {
     return pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0f) < 1e-2f;
 }

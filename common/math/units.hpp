@@ -6,7 +6,7 @@
 
 namespace eti {
 
-// SI holds everywhere inside; these convert only where a person types or reads a number.
+// All internal quantities are SI; these convert only where a person types or reads a number.
 inline constexpr float millimetre = 1e-3f;
 inline constexpr float centimetre = 1e-2f;
 inline constexpr float degree = std::numbers::pi_v<float> / 180.0f;

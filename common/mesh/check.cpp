@@ -34,7 +34,7 @@ class Sets {
     std::vector<std::uint32_t> parent_;
 };
 
-/// A triangle's side as seen from the edge: `corner` is 3 * triangle + position of its first vertex.
+/// A directed triangle edge: `corner` is 3 * triangle + position of its first vertex.
 struct Side {
     std::uint32_t low, high;
     std::uint32_t corner;
@@ -79,7 +79,7 @@ void measure(const TriangleMesh& mesh, MeshReport& report) {
     }
 }
 
-/// Edges, fans and components. Corners of a vertex that meet across an edge belong to one fan.
+/// Edges, fans and components. Corners of a vertex that share an edge belong to one fan.
 void examine_topology(const TriangleMesh& mesh, MeshReport& report) {
     const std::vector<Side> sides = sorted_sides(mesh);
     Sets fans(3 * mesh.triangles.size());

@@ -10,25 +10,25 @@
 
 namespace eti {
 
-/// What is right and wrong with a triangle mesh.
+/// Validity and topology of a triangle mesh.
 struct MeshReport {
     std::size_t vertices = 0;  ///< used by at least one triangle
     std::size_t triangles = 0;
-    std::size_t open_edges = 0;         ///< with one triangle
-    std::size_t nonmanifold_edges = 0;  ///< with more than two
-    std::size_t misoriented_edges = 0;  ///< with two triangles that run along them the same way
+    std::size_t open_edges = 0;         ///< used by one triangle
+    std::size_t nonmanifold_edges = 0;  ///< used by more than two
+    std::size_t misoriented_edges = 0;  ///< traversed in the same direction by two triangles
     std::size_t pinched_vertices = 0;   ///< whose triangles form more than one fan
     std::size_t degenerate_triangles =
         0;  ///< a repeated vertex, or an area below 1e-6 of the longest side squared
     std::size_t self_intersections = 0;  ///< pairs of triangles that cross
-    std::optional<Vec3f> fault_at;       ///< [m], where one of the faults lies
+    std::optional<Vec3f> fault_at;       ///< [m], location of one of the faults
     std::size_t components = 0;
     long euler_characteristic = 0;  ///< 2 (components - handles) for a closed mesh
     double volume = 0.0;            ///< [m^3], positive when oriented outwards
     double area = 0.0;              ///< [m^2]
 
-    /// A closed, oriented 2-manifold without degenerate triangles, whose triangles do not cross.
-    [[nodiscard]] bool sound() const {
+    /// Closed, oriented 2-manifold without degenerate triangles or self-intersections.
+    [[nodiscard]] bool is_valid() const {
         return open_edges + nonmanifold_edges + misoriented_edges + pinched_vertices + degenerate_triangles +
                        self_intersections ==
                    0 &&
@@ -39,7 +39,7 @@ struct MeshReport {
     [[nodiscard]] std::string describe() const;
 };
 
-/// Examines a mesh; about 1 s for a million triangles, most of it the search for crossings.
+/// Examines a mesh; about 1 s for a million triangles, most of it the search for self-intersections.
 [[nodiscard]] MeshReport check(const TriangleMesh& mesh);
 
 }  // namespace eti

@@ -14,15 +14,14 @@ namespace {
 
 constexpr std::uint32_t no_triangle = std::numeric_limits<std::uint32_t>::max();
 
-/// Hands the closest triangle on from node to node in order of distance (a closest-point variant of
-/// fast marching). Distances are exact for the triangle a node was given, so errors do not add up
-/// along the way as they do in first-order schemes.
+/// Propagates the closest triangle from node to node in order of distance (a closest-point variant of fast
+/// marching). Distances are exact for the triangle assigned to a node, so errors do not accumulate as in
+/// first-order schemes.
 class Spread {
   public:
     Spread(const TriangleMesh& mesh, DistanceGrid& grid, float band)
         : mesh_(mesh), grid_(grid), closest_(grid.value.size(), no_triangle) {
-        // Half a spacing per bucket orders the visits well enough; a node that is improved later is
-        // visited again.
+        // Half a spacing per bucket orders the visits well enough; a node that improves later is revisited.
         buckets_.resize(static_cast<std::size_t>(band / bucket_width()) + 2);
     }
 
@@ -64,8 +63,8 @@ class Spread {
         }
     }
 
-    /// The nodes of the cells that the triangle's box touches, and one more on each side: next to the
-    /// surface the closest triangle need not be a neighbouring node's closest.
+    /// Seeds the nodes of all cells that the triangle's bounding box overlaps, extended by one node on each
+    /// side: near the surface, the closest triangle need not be the closest of a neighbouring node.
     void seed(std::uint32_t triangle) {
         const Triangle& t = mesh_.triangles[triangle];
         const Vec3f &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
@@ -98,7 +97,7 @@ class Spread {
             for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, grid_.size[1] - 1); ++y) {
                 for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, grid_.size[0] - 1); ++x) {
                     const std::size_t node = grid_.index(x, y, z);
-                    // A node nearer by more than a spacing got its triangle from a better side.
+                    // A node that is closer by more than one spacing already has a better triangle.
                     if (closest_[node] != triangle && grid_.value[node] > visit.distance - grid_.spacing) {
                         offer(node, grid_.node(x, y, z), triangle);
                     }
@@ -114,9 +113,9 @@ class Spread {
     std::size_t current_ = 0;  ///< bucket being emptied
 };
 
-/// Side of the origin on which the line from (y1, z1) to (y2, z2) passes. Exactly antisymmetric, ties
-/// broken as if the origin were shifted by an infinitesimal, so that a ray through a shared edge or
-/// vertex counts once.
+/// Side of the origin on which the line from (y1, z1) to (y2, z2) passes. Exactly antisymmetric. Ties are
+/// broken as if the origin were shifted by an infinitesimal, so a ray through a shared edge or vertex counts
+/// once.
 int side(double y1, double z1, double y2, double z2) {
     const double area = z1 * y2 - y1 * z2;
     if (area != 0.0) {
@@ -131,7 +130,7 @@ int side(double y1, double z1, double y2, double z2) {
     return 0;
 }
 
-/// Makes distances negative where a ray along x has crossed the mesh an odd number of times.
+/// Negates distances where a ray along x has crossed the mesh an odd number of times.
 void sign_by_parity(const TriangleMesh& mesh, DistanceGrid& grid) {
     std::vector<std::uint8_t> crossings(grid.value.size(), 0);
     const double spacing = static_cast<double>(grid.spacing);

@@ -7,7 +7,8 @@
 namespace eti {
 namespace {
 
-/// The cell that holds a point, the point's place in it (0..1 along each axis) and its eight nodes.
+/// The cell that contains a point, the point's local coordinates (0..1 along each axis) and the cell's eight
+/// nodes.
 struct GridCell {
     Vec3f place = Vec3f::Zero();
     std::array<float, 8> value{};  ///< x fastest
@@ -23,7 +24,7 @@ GridCell cell_at(const DistanceGrid& grid, const Vec3f& point) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const int last = grid.size[axis] - 1;
         const auto a = static_cast<Eigen::Index>(axis);
-        // The comparison order sends NaN to zero, so that no index leaves the grid.
+        // This comparison order maps NaN to zero, so no index leaves the grid.
         const float clamped = std::min(std::max(0.0f, scaled[a]), static_cast<float>(last));
         base[axis] = std::min(static_cast<int>(clamped), std::max(last - 1, 0));
         cell.place[a] = clamped - static_cast<float>(base[axis]);
@@ -67,15 +68,15 @@ DistanceSample DistanceGrid::sample(const Vec3f& point) const {
     DistanceSample result;
     result.distance = mix(lower, upper, t.z());
     const float length = gradient.norm();
-    // On a ridge of the distance the gradient vanishes; any direction is then as good as another.
+    // On a ridge of the distance field the gradient vanishes; any direction is then equally good.
     if (length > 1e-6f * spacing) {
         result.normal = gradient / length;
     }
     return result;
 }
 
-SteadyDistance DistanceGrid::steady(const Vec3f& point) const {
-    // Weights of the three nodes about the point along each axis; then their first and second derivatives.
+SplineDistance DistanceGrid::spline_sample(const Vec3f& point) const {
+    // B-spline weights of three nodes along each axis, then their first and second derivatives.
     std::array<std::array<float, 3>, 3> weight{};
     std::array<std::array<float, 3>, 3> slope{};
     std::array<std::array<std::size_t, 3>, 3> at{};
@@ -97,10 +98,10 @@ SteadyDistance DistanceGrid::steady(const Vec3f& point) const {
         }
     }
     constexpr std::array<float, 3> bend{1.0f, -2.0f, 1.0f};
-    SteadyDistance result;
+    SplineDistance result;
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t j = 0; j < 3; ++j) {
-            // Along x: value, slope and bend of this row of nodes.
+            // Along x: value, first and second derivative of this row of nodes.
             float v = 0.0f;
             float s = 0.0f;
             float b = 0.0f;

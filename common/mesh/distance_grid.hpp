@@ -16,11 +16,11 @@ struct DistanceSample {
     Vec3f normal = Vec3f::UnitZ();  ///< unit, away from the solid
 };
 
-/// A distance whose direction changes steadily, for what has to come to rest on it.
-struct SteadyDistance {
+/// A distance with a continuous gradient, for bodies that come to rest on the surface.
+struct SplineDistance {
     float distance = 0.0f;                           ///< [m]
-    Eigen::Vector3f gradient = Vec3f::Zero();        ///< of it, short of one in the middle between walls
-    Eigen::Matrix3f bend = Eigen::Matrix3f::Zero();  ///< [1/m], its second derivatives
+    Eigen::Vector3f gradient = Vec3f::Zero();        ///< shorter than one midway between walls
+    Eigen::Matrix3f bend = Eigen::Matrix3f::Zero();  ///< [1/m], second derivatives
 };
 
 /// Signed distances on a regular grid, trilinear between nodes; negative inside the solid.
@@ -40,16 +40,17 @@ struct DistanceGrid {
         return origin + spacing * Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
     }
 
-    /// Trilinear distance [m] at `point`; points outside the grid take the nearest border value.
+    /// Trilinear distance [m] at `point`; outside the grid, the nearest border value.
     [[nodiscard]] float distance(const Vec3f& point) const;
 
     /// Distance and unit gradient at `point` (gradient of the trilinear interpolant).
     [[nodiscard]] DistanceSample sample(const Vec3f& point) const;
 
-    /// By quadratic B-splines about the nodes, with their exact derivatives: the gradient is continuous,
-    /// where the trilinear one jumps at every face of a cell. Linear functions are reproduced; a bend b [1/m]
-    /// shifts the distance by b spacing^2 / 8 (de Boor 1978). Points outside the grid take the border's.
-    [[nodiscard]] SteadyDistance steady(const Vec3f& point) const;
+    /// Quadratic B-spline interpolation of the node values with its exact derivatives. Its gradient is
+    /// continuous; the trilinear one jumps at every cell face. Linear functions are reproduced; a second
+    /// derivative b [1/m] shifts the distance by b spacing^2 / 8 (de Boor 1978). Points outside the grid take
+    /// the border's value.
+    [[nodiscard]] SplineDistance spline_sample(const Vec3f& point) const;
 };
 
 }  // namespace eti

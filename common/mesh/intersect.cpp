@@ -19,7 +19,7 @@ struct Box {
 
 using CellIndex = std::array<int, 3>;
 
-/// A triangle listed in a cell; the list is sorted by cell, which serves as the spatial hash.
+/// A triangle listed in a cell. The list is sorted by cell and serves as the spatial hash.
 struct Entry {
     std::uint64_t cell;
     std::uint32_t triangle;
@@ -42,16 +42,16 @@ class Search {
             extent += static_cast<double>((boxes_.back().high - boxes_.back().low).maxCoeff());
             low_ = low_.cwiseMin(boxes_.back().low);
         }
-        // About twice the mean triangle: few cells per triangle and few triangles per cell.
+        // About twice the mean triangle: few cells per triangle, few triangles per cell.
         const double mean = extent / static_cast<double>(std::max<std::size_t>(1, boxes_.size()));
         spacing_ = std::max(2.0f * static_cast<float>(mean), 1e-9f);
     }
 
-    /// Pairs of which at least one triangle is `asked`; all pairs if that is empty.
+    /// Pairs of which at least one triangle is flagged in `asked`; all pairs if `asked` is empty.
     std::vector<std::array<std::uint32_t, 2>> run(std::span<const std::uint8_t> asked) const {
         const auto is_asked = [&](std::uint32_t t) { return asked.empty() || asked[t] != 0; };
         std::vector<Entry> entries;
-        std::vector<std::uint64_t> cells;  // those of the triangles asked, where not all are
+        std::vector<std::uint64_t> cells;  // cells of the flagged triangles, unless all are
         for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
             if (is_asked(i)) {
                 for_each_cell(boxes_[i], [&](std::uint64_t cell) { entries.push_back({cell, i}); });
@@ -84,7 +84,8 @@ class Search {
             for (; begin < entries.size() && entries[begin].cell == cell; ++begin) {
                 here.push_back({boxes_[entries[begin].triangle], entries[begin].triangle});
             }
-            // Where triangles are far smaller than the mean a cell holds many: swept along x, each meets few.
+            // Where triangles are far smaller than the mean, a cell holds many; a sweep along x leaves few
+            // pairs to test.
             std::sort(here.begin(), here.end(), [](const Boxed& a, const Boxed& b) {
                 return a.box.low.x() != b.box.low.x() ? a.box.low.x() < b.box.low.x()
                                                       : a.triangle < b.triangle;
@@ -105,7 +106,7 @@ class Search {
     }
 
   private:
-    /// Calls visit(key) for the cells that a box touches.
+    /// Calls visit(key) for the cells that a box overlaps.
     template <class Visit>
     void for_each_cell(const Box& box, const Visit& visit) const {
         const CellIndex first = cell_of(box.low);
@@ -132,7 +133,8 @@ class Search {
     [[nodiscard]] bool intersect(const Boxed& a, const Boxed& b, std::uint64_t cell) const {
         const Vec3f low = a.box.low.cwiseMax(b.box.low);
         const Vec3f high = a.box.high.cwiseMin(b.box.high);
-        // A pair that shares several cells is tested in the one that holds its common box's corner.
+        // A pair that shares several cells is tested only in the cell that contains the lower corner of the
+        // common box.
         if ((low.array() > high.array()).any() || key(cell_of(low)) != cell) {
             return false;
         }
@@ -140,7 +142,7 @@ class Search {
                pierces(mesh_.triangles[b.triangle], mesh_.triangles[a.triangle]);
     }
 
-    /// Whether an edge of `edges` that has no vertex in common with `face` passes through it.
+    /// Whether an edge of `edges` that shares no vertex with `face` passes through it.
     [[nodiscard]] bool pierces(const Triangle& edges, const Triangle& face) const {
         const auto shared = [&](std::uint32_t v) { return v == face[0] || v == face[1] || v == face[2]; };
         for (std::size_t k = 0; k < 3; ++k) {

@@ -11,13 +11,13 @@
 
 namespace eti {
 
-/// Whether segment pq passes through the inside of triangle abc. Touching an edge, a vertex or the
-/// plane without crossing does not count; a segment in the triangle's plane does not either.
+/// Whether segment pq passes through the interior of triangle abc. Touching an edge, a vertex or the plane
+/// without crossing does not count, nor does a segment in the triangle's plane.
 [[nodiscard]] bool crosses(const Vec3f& p, const Vec3f& q, const Vec3f& a, const Vec3f& b, const Vec3f& c);
 
-/// Pairs of triangles (lower index first, sorted) of which one's edge passes through the other.
-/// Neighbours that share an edge cannot cross, only fold back; that is not looked for. With `asked`, a flag a
-/// triangle, only pairs with a triangle that is asked for, at a cost that grows with their number.
+/// Pairs of triangles (lower index first, sorted) where an edge of one passes through the other. Neighbours
+/// that share an edge can only fold back, which is not tested. `asked`, one flag per triangle, restricts the
+/// search to pairs with a flagged triangle, at a cost proportional to their number.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> self_intersections(
     const TriangleMesh& mesh, std::span<const std::uint8_t> asked = {});
 

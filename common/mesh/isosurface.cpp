@@ -15,9 +15,9 @@ constexpr std::array<std::array<int, 4>, 6> tetrahedra = {
 
 constexpr float corner_clearance = 0.02f;
 
-/// Walks through the field slice by slice and keeps two slices of edge vertices. Every edge of the
-/// split goes from a node to one of its seven upper neighbours, so a slice stores seven indices for
-/// each node. All coordinates are padded by one node on each side.
+/// Sweeps the field slice by slice and keeps the edge vertices of two slices. Every edge of the decomposition
+/// runs from a node to one of its seven upper neighbours, so a slice stores seven indices per node. All
+/// coordinates are padded by one node on each side.
 class Marcher {
   public:
     Marcher(const DistanceGrid& field, float level, Border border)
@@ -77,7 +77,7 @@ class Marcher {
         }
     }
 
-    /// Bit k of a cube's mask tells whether its corner k is inside.
+    /// Bit k of a cube's mask is set when its corner k is inside.
     void classify(const Layer& lower, const Layer& upper, std::vector<std::uint8_t>& mask) const {
         const auto w = static_cast<std::size_t>(width_);
         for (std::size_t y = 0; y + 1 < static_cast<std::size_t>(height_); ++y) {
@@ -119,7 +119,7 @@ class Marcher {
         }
     }
 
-    /// Where the level lies between two values. Beyond the border stands infinity, which puts the cap
+    /// Position of the level between two values. Values beyond the border are infinite, which puts the cap
     /// next to the outermost node.
     [[nodiscard]] float fraction(float from, float to) const {
         float t = 0.5f;
@@ -130,7 +130,7 @@ class Marcher {
         } else {
             t = (level_ - from) / (to - from);
         }
-        // This order of comparison also replaces NaN.
+        // This comparison order also replaces NaN.
         return std::min(std::max(corner_clearance, t), 1.0f - corner_clearance);
     }
 

@@ -41,10 +41,10 @@ struct Quadric {
 
     [[nodiscard]] double at(const Vec3d& x) const { return std::max(0.0, x.dot(times(x) + 2.0 * b) + c); }
 
-    /// The minimum, drawn towards `anchor` along directions the planes leave undetermined.
+    /// The minimum, regularised towards `anchor` along directions that the planes leave undetermined.
     [[nodiscard]] Vec3d minimum(const Vec3d& anchor) const {
-        // A hundredth of the trace: it moves the point by a hundredth of the distance between
-        // anchor and surface, and keeps the system well conditioned on flat ground.
+        // A hundredth of the trace moves the point by a hundredth of the distance between anchor and surface,
+        // and keeps the system well conditioned on flat regions.
         const double pull = 1e-2 * trace();
         const double a00 = xx + pull, a11 = yy + pull, a22 = zz + pull;
         const double m00 = a11 * a22 - yz * yz, m01 = xz * yz - xy * a22, m02 = xy * yz - xz * a11;

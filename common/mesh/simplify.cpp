@@ -20,14 +20,15 @@ struct Candidate {
     std::uint32_t a, b;
     std::uint32_t stamp;  ///< sum of both vertices' stamps when the cost was computed
 
-    /// Orders the heap: cheapest first, ties by index, so that the result does not depend on the heap.
+    /// Orders the heap: cheapest first, ties by index, so the result does not depend on the heap
+    /// implementation.
     bool operator<(const Candidate& o) const {
         return cost != o.cost ? cost > o.cost : a != o.a ? a > o.a : b > o.b;
     }
 };
 
-/// Candidates, cheapest first. A heap of all of them would miss the processor's caches at each of its levels:
-/// only the cheapest are in one, and the others wait in any order.
+/// Priority queue of candidates, cheapest first. Only the cheapest are in a heap and the others are unsorted:
+/// a heap of all candidates would miss the processor's caches at each of its levels.
 class Queue {
   public:
     void clear() {
@@ -43,7 +44,7 @@ class Queue {
             std::push_heap(near_.begin(), near_.end());
         }
     }
-    /// The next one that is not `stale`.
+    /// The next candidate that is not `stale`.
     template <class Stale>
     std::optional<Candidate> pop(const Stale& stale) {
         for (;;) {
@@ -60,10 +61,10 @@ class Queue {
     }
 
   private:
-    /// Makes a heap of the cheapest that wait; says whether there were any.
+    /// Builds a heap from the cheapest unsorted candidates; false if there are none.
     template <class Stale>
     bool fetch(const Stale& stale) {
-        constexpr std::size_t least = 16384;  // a quarter of a megabyte
+        constexpr std::size_t least = 16384;  // 256 KiB
         std::erase_if(far_, stale);
         if (far_.empty()) {
             return false;
@@ -80,11 +81,11 @@ class Queue {
 
     std::vector<Candidate> near_;  ///< a heap
     std::vector<Candidate> far_;   ///< none is cheaper than `costliest_`
-    Candidate costliest_{};        ///< of those that were fetched into `near_`
+    Candidate costliest_{};        ///< costliest candidate moved into `near_`
 };
 
-/// The mesh under collapse. Corner 3 t + k is vertex k of triangle t; the corners of a vertex form a
-/// singly linked list.
+/// The mesh during collapse. Corner 3 t + k is vertex k of triangle t; the corners of a vertex form a singly
+/// linked list.
 class Collapser {
   public:
     Collapser(const TriangleMesh& mesh, const SimplifySettings& settings)
@@ -108,8 +109,8 @@ class Collapser {
     }
 
     TriangleMesh run() {
-        // A collapse that was refused may be allowed once its neighbours have moved: sweep over all
-        // edges again until the budget is met or a sweep hardly gets on.
+        // A rejected collapse may become valid once its neighbours have moved. Sweep over all edges again
+        // until the budget is met or a sweep makes little progress.
         std::size_t before = 0;
         do {
             before = alive_;
@@ -164,7 +165,7 @@ class Collapser {
         }
     }
 
-    /// Vertices of edges that do not have exactly two triangles never move.
+    /// Locks the vertices of edges that do not have exactly two triangles.
     void lock_borders() {
         for (std::uint32_t v = 0; v < head_.size(); ++v) {
             around_.clear();
@@ -197,7 +198,7 @@ class Collapser {
     [[nodiscard]] Candidate evaluate(std::uint32_t a, std::uint32_t b) const {
         Quadric sum = quadric_[a];
         sum += quadric_[b];
-        // On flat ground short edges go first: an edge counts as if 1 % of its length were error.
+        // On flat regions short edges collapse first: 1 % of an edge's length counts as error.
         const double bias = 1e-4 * sum.trace() * (position_[a] - position_[b]).squaredNorm();
         return {static_cast<float>(sum.at(target(a, b, sum)) + bias), a, b, stamp_[a] + stamp_[b]};
     }
@@ -210,7 +211,8 @@ class Collapser {
         }
     }
 
-    /// Exactly the two opposite vertices may neighbour both ends, and the result may not be flat.
+    /// Link condition: only the two opposite vertices may neighbour both ends, and the result may not be
+    /// flat.
     [[nodiscard]] bool keeps_manifold(std::uint32_t a, std::uint32_t b) {
         neighbours(a, around_);
         neighbours(b, around_other_);
@@ -221,8 +223,8 @@ class Collapser {
         return common == 2 && around_.size() + around_other_.size() > 6;
     }
 
-    /// Whether the triangles around edge ab keep their side when both ends move to `to`, and the worst
-    /// of them does not become more of a sliver than the worst already was.
+    /// Whether the triangles around edge ab keep their orientation when both ends move to `to`, and the worst
+    /// of them is no thinner than the worst before.
     [[nodiscard]] bool keeps_shape(std::uint32_t a, std::uint32_t b, const Vec3d& to) const {
         constexpr double well_shaped = 0.1;
         double worst_before = well_shaped;
@@ -263,7 +265,7 @@ class Collapser {
         if (!keeps_manifold(a, b)) {
             return;
         }
-        // Where the best place would spoil the shape, one end may still swallow the other.
+        // Where the optimal position would spoil the shape, fall back to one of the ends.
         const double limit = static_cast<double>(settings_.max_error);
         const double allowed = limit * limit * sum.trace();
         const std::array<Vec3d, 3> places = {target(a, b, sum), position_[a], position_[b]};

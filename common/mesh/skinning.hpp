@@ -12,26 +12,26 @@
 
 namespace eti {
 
-/// Pose of a frame (a bone or a shape-matching cluster). A rest point x0 that the frame carries
-/// alone goes to rotation * (x0 - rest_centre) + centre.
+/// Pose of a frame (a bone or a shape-matching cluster). A rest point x0 with full weight on the frame moves
+/// to rotation * (x0 - rest_centre) + centre.
 struct FramePose {
     Vec3f centre = Vec3f::Zero();        ///< [m], patient frame
     Quatf rotation = Quatf::Identity();  ///< rest to current
 };
 
-/// A frame that shifted and turned by less since it was last sent or recorded counts as unmoved: a tenth of
-/// what an eye sees.
+/// A frame that moved by less than this since it was last sent or recorded counts as unmoved: a tenth of what
+/// is visible.
 inline constexpr float frame_shift_quantum = 0.02e-3f;       ///< [m]
 inline constexpr float frame_turn_quantum = 0.05f * degree;  ///< [rad]
 
-/// Whether a frame has moved by more than that; one with a number that is not finite has.
+/// Whether a frame has moved by more than these limits; true if a number is not finite.
 [[nodiscard]] inline bool has_moved(const FramePose& from, const FramePose& to) {
     return !((to.centre - from.centre).norm() <= frame_shift_quantum) ||
            !(rotation_vector(from.rotation.conjugate() * to.rotation).norm() <= frame_turn_quantum);
 }
 
-/// What a frame does to rest points, as matrix and offset: a matrix costs nine products a point, a quaternion
-/// twice that, and each frame carries many.
+/// A frame's transform of rest points as matrix and offset. A matrix costs nine products per point, a
+/// quaternion twice that, and each frame carries many points.
 struct FrameMap {
     Mat3f linear = Mat3f::Identity();
     Vec3f offset = Vec3f::Zero();
@@ -46,11 +46,11 @@ struct FrameMap {
     return map;
 }
 
-/// How many frames carry a point at most. Of fewer, another falls out at each of two neighbours, and that
-/// tears (docs/decisions/skinning.md).
+/// Maximum number of frames per point. With fewer, neighbouring points drop different frames, which tears the
+/// surface (docs/decisions/skinning.md).
 inline constexpr std::size_t frames_per_point = 8;
 
-/// The frames that carry a point, with weights that sum to one; unused entries weigh zero.
+/// The frames of a point, with weights that sum to one; unused entries weigh zero.
 struct SkinWeights {
     std::array<std::uint16_t, frames_per_point> frame{};
     std::array<float, frames_per_point> weight{};
@@ -68,7 +68,7 @@ struct SkinWeights {
     return sum;
 }
 
-/// The same where each frame carries only few points.
+/// As above, for frames that carry few points each.
 [[nodiscard]] inline Vec3f skin_point(const Vec3f& rest, const SkinWeights& weights,
                                       std::span<const Vec3f> rest_centres,
                                       std::span<const FramePose> frames) {

@@ -10,10 +10,10 @@
 
 namespace eti {
 
-/// A place at a triangle a b c of a surface, with which it goes: a + u (b - a) + v (c - a) + height along the
-/// triangle's normal.
+/// A point attached to triangle a b c of a surface: a + u (b - a) + v (c - a) + height along the triangle's
+/// normal.
 struct SurfacePlace {
-    /// So far [m] from its surface a place may lie: the thickest part of a newborn's head.
+    /// Largest distance [m] of a point from its surface: the thickest part of a newborn's head.
     static constexpr float farthest = 0.1f;
 
     std::uint32_t triangle = 0;
@@ -22,15 +22,15 @@ struct SurfacePlace {
 
     bool operator==(const SurfacePlace&) const = default;
 
-    /// Within its triangle, up to rounding, and near it; every number finite.
-    [[nodiscard]] bool sound() const {
+    /// Whether the point lies within its triangle (up to rounding) and near it, and every number is finite.
+    [[nodiscard]] bool is_valid() const {
         constexpr float rounding = 1e-4f;
         // Written so that NaN fails.
         return u >= -rounding && v >= -rounding && u + v <= 1.0f + rounding && std::abs(height) <= farthest;
     }
 };
 
-/// Where it is, by its triangle's corners [m]. On a triangle without area height counts for nothing.
+/// Position [m], given the triangle's corners [m]. The height is ignored on a triangle without area.
 [[nodiscard]] inline Vec3f point_at(const SurfacePlace& place, const Vec3f& a, const Vec3f& b,
                                     const Vec3f& c) {
     const Vec3f normal = (b - a).cross(c - a);

@@ -10,7 +10,7 @@ namespace eti {
 namespace {
 
 using enum AimMoment;
-using P = Parameters;
+using P = AttemptMetrics;
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 constexpr Aim aim_rows[] = {
@@ -39,7 +39,7 @@ constexpr Aim aim_rows[] = {
      },
      10, 20, false, crossed,
      "Ventilate before the attempt, and stop it when saturation has fallen by 20 points"},
-    // Below 60 a minute chest compressions follow (Aziz et al. 2021, Pediatrics 147 Suppl 1).
+    // Below 60 a minute, chest compressions are indicated (Aziz et al. 2021, Pediatrics 147 Suppl 1).
     {"heart_rate_per_min.min", [](const P& p, const P&) { return 100 - p.heart_rate_min_per_min; }, 0, 40,
      false, crossed, "Stop and ventilate when the heart rate falls below 100 a minute"},
 };
@@ -48,15 +48,15 @@ constexpr Aim aim_rows[] = {
 
 constinit const std::span<const Aim> aims = aim_rows;
 
-std::string_view name_of(Light light) {
+std::string_view name_of(AimStatus light) {
     constexpr std::string_view names[] = {"", "reached", "near", "missed"};
     return names[static_cast<std::size_t>(light)];
 }
 
-double shortfall(const Aim& aim, const Parameters& values, const Parameters& first) {
+double shortfall(const Aim& aim, const AttemptMetrics& values, const AttemptMetrics& first) {
     const double value = aim.measure(values, first);
     if (!(value > aim.reached)) {
-        return value - value;  // 0, or NaN for what does not exist
+        return value - value;  // 0, or NaN for a value that does not exist
     }
     if (std::isinf(aim.near)) {
         return 1.0 - aim.reached / value;
@@ -65,11 +65,11 @@ double shortfall(const Aim& aim, const Parameters& values, const Parameters& fir
                             : (value - aim.reached) / (aim.near - aim.reached);
 }
 
-Light light_of(double shortfall) {
-    return std::isnan(shortfall) ? Light::unknown
-           : shortfall <= 0.0    ? Light::reached
-           : shortfall <= 1.0    ? Light::near
-                                 : Light::missed;
+AimStatus aim_status(double shortfall) {
+    return std::isnan(shortfall) ? AimStatus::unknown
+           : shortfall <= 0.0    ? AimStatus::reached
+           : shortfall <= 1.0    ? AimStatus::near
+                                 : AimStatus::missed;
 }
 
 }  // namespace eti

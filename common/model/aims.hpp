@@ -6,43 +6,43 @@
 #include <span>
 #include <string_view>
 
-#include "common/model/parameters.hpp"
+#include "common/model/attempt_metrics.hpp"
 
 namespace eti {
 
-/// How a value stands to its aim. Unknown where the value does not exist or nothing is aimed at.
-enum class Light : std::uint8_t { unknown, reached, near, missed };
+/// Status of a value relative to its aim. Unknown where the value does not exist or has no aim.
+enum class AimStatus : std::uint8_t { unknown, reached, near, missed };
 
-[[nodiscard]] std::string_view name_of(Light light);
+[[nodiscard]] std::string_view name_of(AimStatus light);
 
-/// When in a session an aim was missed.
+/// The moment of a session at which an aim counts as missed.
 enum class AimMoment : std::uint8_t {
-    crossed,         ///< the first step whose value is beyond the aim
-    best_view,       ///< when most of the glottis was in sight
-    second_attempt,  ///< when it began
-    end,             ///< of the last attempt
+    crossed,         ///< the first step whose value violates the aim
+    best_view,       ///< the best view of the glottis
+    second_attempt,  ///< the start of the second attempt
+    end,             ///< the end of the last attempt
 };
 
-/// An aim as numbers, for reports: what is measured is best small. The aim's words and source stand with its
-/// parameter (ParameterField::norm).
+/// An aim as numbers, for reports. The measured quantity is best small. The aim's text and source are in
+/// MetricField::norm.
 struct Aim {
-    std::string_view key;  ///< of the parameter
-    /// What must be small. `first`: what the session began with.
-    double (*measure)(const Parameters& values, const Parameters& first);
-    double reached;     ///< at most this: the aim is reached
-    double near;        ///< at most this: nearly; beyond it, missed. Chosen unless `practise` says otherwise
-    bool each_attempt;  ///< holds for each attempt, so that a run is as good as its worst
+    std::string_view key;  ///< of the metric
+    /// The quantity to minimise. `first`: the metrics at the start of the session.
+    double (*measure)(const AttemptMetrics& values, const AttemptMetrics& first);
+    double reached;     ///< reached up to this value
+    double near;        ///< nearly up to this; beyond: missed. Chosen unless `practise` says otherwise
+    bool each_attempt;  ///< applies to each attempt; a run takes its worst one
     AimMoment moment;
-    std::string_view practise;  ///< what to do about it; empty where another aim says the same
+    std::string_view practise;  ///< advice for practice; empty where another aim gives the same
 };
 
-/// Every aim, in the order of parameter_fields.
+/// Every aim, in the order of metric_fields.
 extern const std::span<const Aim> aims;
 
-/// 0 or less: reached; up to 1: nearly; more: missed. NaN where a value does not exist. An aim that nobody
-/// calls missed (`near` is infinite) stays below 1.
-[[nodiscard]] double shortfall(const Aim& aim, const Parameters& values, const Parameters& first);
+/// 0 or less: reached; up to 1: nearly; more: missed. NaN where a value does not exist. Stays below 1 for an
+/// aim that is never missed (`near` is infinite).
+[[nodiscard]] double shortfall(const Aim& aim, const AttemptMetrics& values, const AttemptMetrics& first);
 
-[[nodiscard]] Light light_of(double shortfall);
+[[nodiscard]] AimStatus aim_status(double shortfall);
 
 }  // namespace eti

@@ -7,7 +7,7 @@
 namespace eti {
 
 Vec3f best_eye(const Landmarks& points, float distance) {
-    // The gum hides what lies behind it: the line passes a third of the way from upper to lower gum.
+    // The gum occludes what is behind it: the line passes a third of the way from upper to lower gum.
     const Vec3f& gum = at(points, Landmark::upper_gum);
     const Vec3f under = gum + (at(points, Landmark::lower_gum) - gum) / 3.0f;
     const Vec3f onward = (under - at(points, Landmark::glottis)).normalized();

@@ -11,7 +11,7 @@
 
 namespace eti {
 
-/// Named points of the patient, carried by the tissue they lie on. Order is the order on the bus.
+/// Named points of the patient, attached to the tissue. The order is that of the bus.
 enum class Landmark : std::uint8_t {
     upper_gum,      ///< midpoint of the upper alveolar crest; origin of the patient frame at rest
     lower_gum,      ///< midpoint of the lower alveolar crest
@@ -46,7 +46,7 @@ using Landmarks = std::array<Vec3f, landmark_count>;
     return points[static_cast<std::size_t>(which)];
 }
 
-[[nodiscard]] constexpr std::optional<Landmark> landmark_named(std::string_view name) {
+[[nodiscard]] constexpr std::optional<Landmark> find_landmark(std::string_view name) {
     for (std::size_t i = 0; i < landmark_count; ++i) {
         if (landmark_names[i] == name) {
             return static_cast<Landmark>(i);
@@ -55,18 +55,17 @@ using Landmarks = std::array<Vec3f, landmark_count>;
     return std::nullopt;
 }
 
-/// All at the origin: what is known before anything has been seen. (Eigen leaves its vectors unset.)
-[[nodiscard]] inline Landmarks unseen_landmarks() {
+/// All landmarks at the origin: the state before the first message. (Eigen leaves its vectors uninitialised.)
+[[nodiscard]] inline Landmarks zero_landmarks() {
     Landmarks points;
     points.fill(Vec3f::Zero());
     return points;
 }
 
-/// Where an examiner's eye best looks from: on the line from the glottis through a point just
+/// Best eye position of an examiner [m], patient frame: on the line from the glottis through a point just
 /// below the upper gum (towards the mouth opening), `distance` [m] beyond the gum.
-/// Returns the eye position [m], patient frame.
 [[nodiscard]] Vec3f best_eye(const Landmarks& points, float distance);
-/// At threshold::eye_distance.
+/// The same at threshold::eye_distance.
 [[nodiscard]] Vec3f best_eye(const Landmarks& points);
 
 }  // namespace eti

@@ -20,7 +20,7 @@ struct Growth {
 };
 
 // Keen & Pearce 1988, Arch Dis Child 63 (means of boys and girls), every second week. At 22 weeks the head is
-// interpolated: the table's 27.0 cm there cannot be right between 21.0 and 21.3.
+// interpolated: the table's 27.0 cm is implausible next to 21.0 and 21.3.
 constexpr std::array<Growth, 11> growth = {{{22, 0.508f, 0.2115f, 0.011f},
                                             {24, 0.676f, 0.220f, 0.015f},
                                             {26, 0.909f, 0.242f, 0.014f},
@@ -44,7 +44,7 @@ float interpolate(float x, float Growth::*from, float Growth::*to) {
     return a.*to + t * (b.*to - a.*to);
 }
 
-// A weight is believed within this factor of the median: about three of the table's standard deviations (15
+// A weight is plausible within this factor of the median: about three of the table's standard deviations (15
 // to 20 %) downwards and more upwards.
 constexpr float lightest = 0.5f;
 constexpr float heaviest = 1.7f;
@@ -73,7 +73,7 @@ const std::array<ShapeField, 8> shape_fields = {{
 
 void apply(AirwayVariant variant, NewbornShape& shape) {
     // None of these is a mean of patients: each is far enough from normal to be difficult. No published norm
-    // was found of the tongue's size in macroglossia (its assessment is said to be subjective).
+    // was found for the tongue's size in macroglossia (its assessment is said to be subjective).
     switch (variant) {
         case AirwayVariant::normal:
             break;
@@ -90,25 +90,25 @@ void apply(AirwayVariant variant, NewbornShape& shape) {
     }
 }
 
-float usual_gestational_age(float weight) {
+float median_gestational_age(float weight) {
     return interpolate(weight, &Growth::weight, &Growth::age);
 }
 
-float usual_weight(float gestational_age) {
+float median_weight(float gestational_age) {
     return interpolate(gestational_age, &Growth::age, &Growth::weight);
 }
 
-HeadCircumference usual_head_circumference(float gestational_age) {
+HeadCircumference mean_head_circumference(float gestational_age) {
     return {interpolate(gestational_age, &Growth::age, &Growth::head),
             interpolate(gestational_age, &Growth::age, &Growth::head_spread)};
 }
 
 WeightRange plausible_weights(float gestational_age) {
-    const float usual = usual_weight(gestational_age);
+    const float usual = median_weight(gestational_age);
     return {lightest * usual, heaviest * usual};
 }
 
-std::string implausible(const NewbornShape& shape) {
+std::string implausibility(const NewbornShape& shape) {
     for (const ShapeField& field : shape_fields) {
         const float typed = shape.*field.value / field.per_unit;
         const float slack = 1e-4f * (std::fabs(field.low) + std::fabs(field.high));
@@ -126,7 +126,7 @@ std::string implausible(const NewbornShape& shape) {
             "weight_kg is {:g} at gestational_age_weeks {:g}; expected {:.2f} to {:.2f}. Give the age of "
             "that "
             "weight, {:.0f}, or leave it out",
-            shape.weight, shape.gestational_age, low, high, usual_gestational_age(shape.weight));
+            shape.weight, shape.gestational_age, low, high, median_gestational_age(shape.weight));
     }
     return {};
 }

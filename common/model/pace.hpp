@@ -6,8 +6,8 @@
 
 namespace eti {
 
-/// The pace of a session, the same for every program. It is fixed: an overloaded server falls behind the
-/// clock rather than stretch a step.
+/// Step rate of a session, the same for every program. It is fixed: an overloaded server falls behind real
+/// time instead of using longer steps.
 inline constexpr int steps_per_second = 180;
 inline constexpr float step_duration = 1.0f / steps_per_second;  ///< [s], of simulation time
 

@@ -6,7 +6,7 @@
 
 namespace eti {
 
-// How far head, jaw and table can be moved; head and jaw from 0, the table either way [deg].
+// Range of motion of head, jaw and table; head and jaw from 0, the table in both directions [deg].
 inline constexpr float max_head_elevation_deg = 30.0f;
 inline constexpr float max_jaw_opening_deg = 35.0f;
 inline constexpr float max_table_angle_deg = 20.0f;

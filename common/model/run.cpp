@@ -8,7 +8,7 @@
 namespace eti {
 namespace {
 
-// Mean over parts, weighted; parts without a value or without weight do not count. NaN where a weight is
+// Weighted mean over parts; parts without a value or with zero weight do not count. NaN where a weight is
 // unknown.
 class WeightedMean {
   public:
@@ -24,57 +24,56 @@ class WeightedMean {
     double sum_ = 0.0, weight_ = 0.0;
 };
 
-double combine(const ParameterField& field, std::span<const RunPart> parts, const RunPart* passage) {
+double combine(const MetricField& field, std::span<const RunPart> parts, const RunPart* passage) {
     double value = field.start;
     WeightedMean mean;
     for (const RunPart& part : parts) {
-        const double of_attempt = part.parameters.*field.value;
+        const double of_attempt = part.metrics.*field.value;
         switch (field.combine) {
-            case Combine::greatest:
+            case Aggregation::greatest:
                 value = std::fmax(value, of_attempt);
                 break;
-            case Combine::least:
+            case Aggregation::least:
                 value = std::fmin(value, of_attempt);
                 break;
-            case Combine::sum:
+            case Aggregation::sum:
                 value += of_attempt;
                 break;
-            case Combine::time_mean:
+            case Aggregation::time_mean:
                 mean.add(of_attempt, part.weights.time);
                 break;
-            case Combine::view_mean:
+            case Aggregation::view_mean:
                 mean.add(of_attempt, part.weights.view);
                 break;
-            case Combine::tube_mean:
+            case Aggregation::tube_mean:
                 mean.add(of_attempt, part.weights.tube);
                 break;
-            case Combine::passage:
-            case Combine::last:
+            case Aggregation::passage:
+            case Aggregation::last:
                 value = of_attempt;
                 break;
         }
     }
-    if (field.combine == Combine::passage) {
-        return passage != nullptr ? passage->parameters.*field.value
-                                  : std::numeric_limits<double>::quiet_NaN();
+    if (field.combine == Aggregation::passage) {
+        return passage != nullptr ? passage->metrics.*field.value : std::numeric_limits<double>::quiet_NaN();
     }
     return mean.value(value);
 }
 
 }  // namespace
 
-Parameters combine(std::span<const RunPart> parts) {
+AttemptMetrics combine(std::span<const RunPart> parts) {
     // The last passage of the glottis; without one, the best view.
     const RunPart* passage = nullptr;
     for (const RunPart& part : parts) {
         if (passage == nullptr || part.passed_glottis ||
             (!passage->passed_glottis &&
-             part.parameters.glottic_opening_max_percent > passage->parameters.glottic_opening_max_percent)) {
+             part.metrics.glottic_opening_max_percent > passage->metrics.glottic_opening_max_percent)) {
             passage = &part;
         }
     }
-    Parameters run;
-    for (const ParameterField& field : parameter_fields) {
+    AttemptMetrics run;
+    for (const MetricField& field : metric_fields) {
         run.*field.value = combine(field, parts, passage);
     }
     return run;

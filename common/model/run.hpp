@@ -4,23 +4,23 @@
 
 #include <span>
 
-#include "common/model/parameters.hpp"
+#include "common/model/attempt_metrics.hpp"
 
 namespace eti {
 
-/// Parameters of one attempt, with what a run over several needs to weigh them.
+/// Metrics of one attempt, with the weights needed to aggregate several.
 struct RunPart {
-    /// [s] that means were taken over; NaN where that is not known.
+    /// [s] over which means were taken; NaN where unknown.
     struct Weights {
         double time = 0.0, view = 0.0, tube = 0.0;
     };
-    Parameters parameters;
+    AttemptMetrics metrics;
     Weights weights;
     bool passed_glottis = false;
 };
 
-/// The run's parameters, as parameter_fields say: maxima, sums, means weighted by time. NaN for a mean of
-/// several attempts whose weights are not known.
-[[nodiscard]] Parameters combine(std::span<const RunPart> parts);
+/// The run's metrics, aggregated as metric_fields specify: maxima, sums, time-weighted means. NaN for a mean
+/// of several attempts whose weights are unknown.
+[[nodiscard]] AttemptMetrics combine(std::span<const RunPart> parts);
 
 }  // namespace eti

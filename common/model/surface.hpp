@@ -11,7 +11,7 @@
 
 namespace eti {
 
-/// A visible surface of the patient: closed, manifold, outward-oriented; skinned to bones and clusters.
+/// A visible surface of the patient: closed, manifold, oriented outwards; skinned to bones and clusters.
 struct Surface {
     std::string name;
     Tissue tissue = Tissue::soft;

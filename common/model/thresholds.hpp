@@ -8,7 +8,7 @@
 
 namespace eti {
 
-/// A number that definitions of parameters turn on.
+/// A numeric threshold used in the definitions of metrics.
 struct Threshold {
     std::string_view name;
     double value;
@@ -17,11 +17,11 @@ struct Threshold {
     [[nodiscard]] constexpr float as_float() const { return static_cast<float>(value); }
 };
 
-/// Raised with every change of a definition or threshold: parameters of two versions are not the same
-/// measures. A test holds it against the words and numbers.
+/// Incremented with every change of a definition or threshold: metrics of different versions are not
+/// comparable. A test checks it against the definitions' text and numbers.
 inline constexpr std::uint32_t definitions_version = 1;
 
-// Those without a source are chosen.
+// Thresholds without a source are chosen.
 namespace threshold {
 
 inline constexpr Threshold gate_slack{
@@ -33,16 +33,16 @@ inline constexpr Threshold lips_apart{"lips_apart", 3e-3, "m",
 inline constexpr Threshold least_attempt{"least_attempt", 0.5, "s",
                                          "A blade that is in for less only touched the mouth"};
 inline constexpr Threshold peak_prominence{"peak_prominence", 5.0, "deg", "Of a maximum of pitch or yaw"};
-/// The noise level of rocking is read from the finest wavelet band, a quarter to a half of this: 2.5 to 5 Hz,
-/// the fastest that a hand rocks a blade. Physiological tremor, 8 to 12 Hz, is averaged out; at finer bins it
-/// alone would set the result.
+/// Sampling rate for rocking. Its noise level is taken from the finest wavelet band, a quarter to a half of
+/// this rate: 2.5 to 5 Hz, the fastest that a hand rocks a blade. Physiological tremor, 8 to 12 Hz, is
+/// averaged out; with finer bins it alone would determine the result.
 inline constexpr Threshold curve_rate{"curve_rate", 10.0, "1/s", "Bins of the angle curves for rocking"};
-/// Differences between neighbouring steps would show the solver's noise as speed.
+/// Differences between consecutive steps would count the solver's noise as speed.
 inline constexpr Threshold speed_rate{"speed_rate", 30.0, "1/s", "Intervals that speeds are taken over"};
 inline constexpr Threshold look_rate{"look_rate", 30.0, "1/s", "How often the view of the glottis is judged"};
 inline constexpr Threshold eye_distance{"eye_distance", 0.3, "m",
                                         "From the upper gum to an eye that no client reports"};
-/// An edge across the opening is measured within 2.5 points.
+/// An edge across the opening is resolved to within 2.5 points.
 inline constexpr Threshold glottis_points{"glottis_points", 160.0, "1", "Points over the glottic opening"};
 inline constexpr Threshold epiglottis_points{"epiglottis_points", 48.0, "1", "Points of the epiglottis"};
 inline constexpr Threshold hiding_distance{
@@ -64,7 +64,7 @@ inline constexpr Threshold success_depth{"success_depth", 10e-3, "m", "Past the 
 
 }  // namespace threshold
 
-/// All of them.
+/// All thresholds.
 inline constexpr Threshold thresholds[] = {
     threshold::gate_slack,          threshold::mouth_radius,      threshold::lips_apart,
     threshold::least_attempt,       threshold::peak_prominence,   threshold::curve_rate,

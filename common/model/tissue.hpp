@@ -8,8 +8,8 @@
 
 namespace eti {
 
-/// What a particle, a surface triangle or a contact belongs to. Values go over the bus and into
-/// files: append, never renumber.
+/// Material of a particle, a surface triangle or a contact. Values are sent on the bus and stored in files:
+/// append, never renumber.
 enum class Tissue : std::uint8_t {
     soft,  ///< skin, muscle, mucosa of cheeks, pharynx and neck
     tongue,
@@ -24,10 +24,10 @@ enum class Tissue : std::uint8_t {
     mandible,
     spine,
     hyoid,
-    // Seen alone: no particle and no contact is of these.
+    // Visual only: no particle or contact has these.
     vocal_cord,  ///< the true cords' white
     lip,         ///< vermilion
-    cloth,       ///< what wraps the newborn's trunk
+    cloth,       ///< the wrap around the newborn's trunk
 };
 inline constexpr std::size_t tissue_count = 16;
 
@@ -44,11 +44,11 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
            tissue == Tissue::hyoid;
 }
 
-/// How soft tissue is computed.
+/// Soft-tissue solver.
 enum class TissueMethod : std::uint8_t {
     clusters,    ///< shape matching with compliance throughout
-    tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which bears the blade; else clusters
-    implicit,    ///< the same, solved to the end in each step instead of once in each substep
+    tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load; clusters elsewhere
+    implicit,    ///< the same, solved to convergence once per step instead of once per substep
 };
 inline constexpr std::array<std::string_view, 3> tissue_method_names = {"clusters", "tetrahedra", "implicit"};
 

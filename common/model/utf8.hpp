@@ -8,8 +8,9 @@
 
 namespace eti {
 
-/// Bytes of the longest beginning of a UTF-8 text that has at most `most` bytes and cuts no character in two.
-[[nodiscard]] inline std::size_t whole_characters(std::string_view text, std::size_t most) {
+/// Length [bytes] of the longest prefix of a UTF-8 text that has at most `most` bytes and splits no
+/// character.
+[[nodiscard]] inline std::size_t utf8_prefix_length(std::string_view text, std::size_t most) {
     std::size_t size = std::min(text.size(), most);
     // Bytes 10xxxxxx continue a character.
     while (size > 0 && size < text.size() && (static_cast<unsigned char>(text[size]) & 0xc0u) == 0x80u) {

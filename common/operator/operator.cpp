@@ -138,7 +138,7 @@ OperatorScript parse_operator(const std::string& text, const std::filesystem::pa
     script.laryngoscope.weight = script.tube.weight = root.number("patient_weight_kg", 0.0f, {0.5f, 4.5f});
     script.laryngoscope.lean = root.number("lean_mm", 0.0f, {0, 20, millimetre});
     script.skill = root.number("skill", script.skill, {0, 1});
-    script.attempts = root.whole("attempts", script.attempts, 1, most_attempts);
+    script.attempts = root.whole("attempts", script.attempts, 1, max_attempts);
     if (auto variation = root.map("variation")) {
         script.variation = read_variation(*variation);
     }

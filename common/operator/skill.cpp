@@ -13,16 +13,16 @@ namespace {
 
 constexpr float clear_of_lips = 30e-3f;           // [m], of a tube between two attempts
 constexpr float withdrawal_speed = 60e-3f;        // [m/s]
-constexpr float slowest = 5e-3f, fastest = 0.3f;  // [m/s], of what a hand does on purpose
+constexpr float slowest = 5e-3f, fastest = 0.3f;  // [m/s], of voluntary motion
 
 Vec3f somewhere(Random& random, float spread) {
     const float x = random.normal(), y = random.normal(), z = random.normal();
     return spread * Vec3f(x, y, z);
 }
 
-/// What both hands do alike throughout an attempt.
+/// Deviations that both hands share throughout an attempt.
 void stray(Track& track, const Variation& by, float lack, bool tube, Random& random) {
-    // One misjudgement for all aims of a hand: who takes the glottis to be farther left does so throughout.
+    // One offset for all aims of a hand: a hand that misjudges the glottis to the left does so throughout.
     const Vec3f off = somewhere(random, lack * by.path);
     for (Stage& stage : track.stages) {
         if (!stage.keep) {
@@ -39,7 +39,7 @@ void stray(Track& track, const Variation& by, float lack, bool tube, Random& ran
         for (Stage& stage : track.stages) {
             if (stage.until_tube_depth >= 0.0f) {
                 stage.until_tube_depth = std::max(0.0f, stage.until_tube_depth + deeper);
-                stage.advance += std::max(0.0f, deeper);  // else the way would end before
+                stage.advance += std::max(0.0f, deeper);  // otherwise the path would end before
             }
         }
     } else {
@@ -58,15 +58,15 @@ void stray(Track& track, const Variation& by, float lack, bool tube, Random& ran
 
 }  // namespace
 
-std::vector<OperatorScript> attempts_of(const OperatorScript& script, std::uint64_t seed) {
+std::vector<OperatorScript> make_attempts(const OperatorScript& script, std::uint64_t seed) {
     const float lack = 1.0f - script.skill;
     const Variation& by = script.variation;
     std::vector<OperatorScript> attempts(static_cast<std::size_t>(script.attempts), script);
-    Random person(seed ^ 0x736b696c6cULL);  // apart from the tremor's course
-    // What a hand is like whatever it attempts.
+    Random person(seed ^ 0x736b696c6cULL);  // independent of the tremor's course
+    // Traits of a hand, the same in every attempt.
     const float tremor = lack * by.tremor * (0.5f + person.uniform());
     const float reaction = lack * by.reaction * (0.5f + person.uniform());
-    const float satisfied = 1.0f - lack * by.view * person.uniform();  // with so much of the view
+    const float satisfied = 1.0f - lack * by.view * person.uniform();  // share of the view that suffices
     for (std::size_t i = 0; i < attempts.size(); ++i) {
         OperatorScript& attempt = attempts[i];
         if (lack > 0.0f) {

@@ -9,9 +9,9 @@
 
 namespace eti {
 
-/// The scripts of a run's attempts, as a hand of the script's skill plays them: `script.attempts` of them,
-/// never none. Each strays from the script by its variation, drawn from `seed`; a skill of 1 plays it as it
-/// is written. From the second on the tube is drawn back first. Deterministic in both.
-[[nodiscard]] std::vector<OperatorScript> attempts_of(const OperatorScript& script, std::uint64_t seed);
+/// The scripts of a run's attempts, `script.attempts` of them, at least one, as a hand of the script's skill
+/// plays them. Each deviates from the script by its variation, drawn from `seed`; a skill of 1 plays it as
+/// written. From the second attempt on, the tube is first withdrawn. Deterministic in both arguments.
+[[nodiscard]] std::vector<OperatorScript> make_attempts(const OperatorScript& script, std::uint64_t seed);
 
 }  // namespace eti

@@ -13,24 +13,24 @@ namespace eti {
 
 namespace {
 
-constexpr float way_in = 0.04f;        // [m], from the first resting pose to the first stage's target
+constexpr float way_in = 0.04f;        // [m], from the first rest pose to the first stage's target
 constexpr float angular_speed = 2.0f;  // [rad/s], of a careful wrist
 // A minimum-jerk move (Flash & Hogan 1985) peaks at 15/8 of its mean speed.
 constexpr float peak_over_mean = 1.875f;
 constexpr double follow_time = 0.1;         // [s], low pass on landmarks that a stage follows
-constexpr double correction_time = 0.3;     // [s], in which a hand makes up for what it sees
-constexpr float most_steering = 8e-3f;      // [m], of the tip
-constexpr float most_turn = 0.5f;           // [rad], about the lips
-constexpr float corrected_within = 20e-3f;  // [m], of the tip from its aim
+constexpr double correction_time = 0.3;     // [s], time constant of a visual correction
+constexpr float max_steering = 8e-3f;       // [m], of the tip
+constexpr float max_turn = 0.5f;            // [rad], about the lips
+constexpr float corrected_within = 20e-3f;  // [m], of the tip from its aim; no correction beyond
 constexpr float least_swing = 3e-3f;        // [m]; rolling a straighter tube would not steer it
-// From attempt to attempt: the tube lies in the trachea from where an attempt counts as a success, and a tool
-// is out of the mouth where it cannot count as within, with room to spare (chosen).
-constexpr float placed_depth = 10e-3f;    // [m] past the glottis
-constexpr float blade_out = 30e-3f;       // [m], of a point of the blade from the mouth opening
-constexpr float shortest_blade = 0.076f;  // [m], where that point lies: a longer blade's tip is nearer
-constexpr float tube_out = 20e-3f;        // [m]
-constexpr double breather = 1.0;          // [s], between attempts
-constexpr double patience = 30.0;         // [s], for the other hand
+// Between attempts: the tube is in the trachea where an attempt counts as a success. A tool is out of the
+// mouth where it cannot count as inside, with a margin (chosen).
+constexpr float placed_depth = 10e-3f;     // [m] past the glottis
+constexpr float blade_out = 30e-3f;        // [m], of a point of the blade from the mouth opening
+constexpr float shortest_blade = 0.076f;   // [m], position of that point; a longer blade's tip is nearer
+constexpr float tube_out = 20e-3f;         // [m]
+constexpr double breather = 1.0;           // [s], between attempts
+constexpr double decision_timeout = 30.0;  // [s], for the other hand
 // A hand without a track holds its tool here, clear of the patient [m].
 const Vec3f parked(0.0f, -0.3f, 0.2f);
 
@@ -39,7 +39,7 @@ float minimum_jerk(double t) {
     return static_cast<float>(u * u * u * (10.0 - 15.0 * u + 6.0 * u * u));
 }
 
-/// How long what is `reference` [kg] long in its newborn is in the one that is seen; 1 where either is
+/// Length scale of the observed newborn relative to one of `reference` [kg]; 1 where either weight is
 /// unknown.
 float size_of(const Observation& observation, float reference) {
     // The rule's depth is weight plus 6, in cm.
@@ -47,14 +47,15 @@ float size_of(const Observation& observation, float reference) {
     if (!(weight > 0.0) || !(reference > 0.0f)) {
         return 1.0f;
     }
-    // To the gram: the depth was rounded on its way, and the newborn of the reference is to have size 1.
+    // Rounded to the gram: the depth was rounded in transmission, and the reference newborn must have scale
+    // 1.
     return static_cast<float>(
         std::cbrt(std::round(1e3 * weight) / std::round(1e3 * static_cast<double>(reference))));
 }
 
 Mat3f axes_from(const Vec3f& direction) {
-    // +x to the patient's left as far as the axis allows: the handle then points anterior where the tool
-    // points inferior, and inferior where it points posterior, as it does in a hand.
+    // +x points to the patient's left as far as the axis allows. As in a hand, the handle then points
+    // anterior where the tool points inferior, and inferior where it points posterior.
     const Vec3f left(1.0f, 0.0f, 0.0f);
     const Vec3f z = direction.squaredNorm() > 1e-12f ? Vec3f(direction.normalized()) : Vec3f(Vec3f::UnitY());
     Vec3f x = left - z * z.dot(left);
@@ -81,8 +82,8 @@ std::vector<Track> tracks_of(const std::vector<OperatorScript>& attempts, Tool t
 
 TrackPlayer::TrackPlayer(const OperatorScript& script, Tool tool, float tool_length, float curvature,
                          std::uint64_t seed)
-    : TrackPlayer(attempts_of(script, seed), tool, tool_length, curvature,
-                  // Each hand has a tremor of its own.
+    : TrackPlayer(make_attempts(script, seed), tool, tool_length, curvature,
+                  // Each hand has its own tremor.
                   seed + (tool == Tool::tube ? 1 : 0)) {}
 
 TrackPlayer::TrackPlayer(const std::vector<OperatorScript>& attempts, Tool tool, float tool_length,
@@ -99,7 +100,7 @@ TrackPlayer::TrackPlayer(std::vector<Track> attempts, float tool_length, float t
     : attempts_(std::move(attempts)), tool_length_(tool_length), curvature_(curvature), reaction_(reaction) {
     tip_ = along_tool(tool_length);
     nominal_.translation = parked;
-    // A sum of sines is a function of time alone, so the tremor does not depend on the rate of calls.
+    // A sum of sines depends on time alone, so the tremor does not depend on the call rate.
     Random random(seed);
     const float amplitude = tremor / std::sqrt(3.0f) * std::sqrt(2.0f / tremor_lines);
     for (auto& axis : tremor_) {
@@ -114,8 +115,8 @@ RigidTransform TrackPlayer::along_tool(float length) const {
     return along_arc(curvature_, length);
 }
 
-float TrackPlayer::length_until(const RigidTransform& pose, const Vec3f& point) const {
-    return eti::length_until(curvature_, pose.inverse() * point);
+float TrackPlayer::arc_length_to(const RigidTransform& pose, const Vec3f& point) const {
+    return eti::arc_length_to(curvature_, pose.inverse() * point);
 }
 
 Vec3f TrackPlayer::tip_target(const Stage& stage, const Observation& observation,
@@ -133,14 +134,14 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
             at(points, stage.axis_from) + size * stage.axis_from_offset + stage.axis_from_fixed_offset;
         const Vec3f tip = tip_target(stage, observation, points);
         const Vec3f line = (stage.axis_to_tip ? tip : at(points, stage.axis_to)) - from;
-        // A curved tool passes through `from` and ends at the tip: from the chord to the tangent at its end
-        // it is half the arc's angle. A point farther back than the tool reaches counts as its origin.
+        // A curved tool passes through `from` and ends at the tip: the angle from the chord to the tangent at
+        // its end is half the arc's angle. A point farther back than the tool's length counts as its origin.
         const float half_chord = std::min(line.norm(), tip_.translation.norm()) / 2.0f;
         const float bend = stage.axis_to_tip ? std::asin(std::min(1.0f, half_chord * curvature_)) : 0.0f;
         const Quatf pointing(Quatf(axes_from(line)) * Quatf(Eigen::AngleAxisf(-bend, Vec3f::UnitX())));
         pose = RigidTransform{pointing.normalized(), tip} * tip_.inverse();
     }
-    // Turns in the tool's own axes: about +x the tip moves to -y, so raising it is a negative turn.
+    // Turns about the tool's own axes: about +x the tip moves to -y, so raising it is a negative turn.
     const Vec3f pivot = stage.pivot_at_tip ? pose * tip_.translation : at(points, stage.pivot);
     const Quatf turn(Eigen::AngleAxisf(-stage.pitch, pose.rotation * Vec3f::UnitX()) *
                      Eigen::AngleAxisf(stage.yaw, pose.rotation * Vec3f::UnitY()) *
@@ -150,11 +151,11 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
     pose = pose * along_tool(size * stage.advance);
     const float depth = stage.depth_by_rule ? observation.tube_depth_rule : size * stage.depth_at_lip;
     if (depth > 0.0f) {
-        const float outside = length_until(pose, at(points, Landmark::mouth_opening));
+        const float outside = arc_length_to(pose, at(points, Landmark::mouth_opening));
         pose = pose * along_tool(outside - (tool_length_ - depth));
     }
     if (stage.withdraw >= 0.0f) {
-        const float outside = length_until(pose, at(points, Landmark::mouth_opening));
+        const float outside = arc_length_to(pose, at(points, Landmark::mouth_opening));
         pose = pose * along_tool(std::min(0.0f, outside - tool_length_ - stage.withdraw));
     }
     return pose;
@@ -165,7 +166,7 @@ void TrackPlayer::begin_stage(const Observation& observation) {
     from_ = nominal_;
     seen_ = observation.landmarks;
     target_ = target_of(stage, observation, seen_, target_);
-    // A turn about a landmark keeps that landmark's place in the tool still; all else leads the tip.
+    // A turn about a landmark keeps that landmark fixed in the tool frame; all other motion leads the tip.
     const Vec3f& tip = tip_.translation;
     led_ = stage.keep && !stage.pivot_at_tip ? target_.inverse() * at(seen_, stage.pivot) : tip;
     const float turn = rotation_vector(target_.rotation * from_.rotation.conjugate()).norm();
@@ -183,7 +184,7 @@ RigidTransform TrackPlayer::between(float share) const {
     return {rotation, at_share - rotation * led_};
 }
 
-// How far the blade's tip, where the shell leaves it, lies beyond what the stage aims at.
+// Distance of the blade's tip, as constrained by the shell, beyond the stage's aim.
 float TrackPlayer::blade_past(const Stage& stage, const Observation& observation) const {
     const Vec3f aim = observation.proxy.inverse() * at(observation.landmarks, stage.tip_at);
     return tip_.translation.z() - aim.z();
@@ -228,7 +229,7 @@ void TrackPlayer::follow(const Stage& stage, const Observation& observation) {
     target_ = target_of(stage, observation, seen_, target_);
 }
 
-// Makes up, bit by bit, for what is seen of the tip aside of the line through the stage's aim into the
+// Gradually corrects the visible sideways distance of the tip from the line through the stage's aim into the
 // trachea.
 void TrackPlayer::steer(const Stage& stage, const Observation& observation) {
     const Landmarks& points = observation.landmarks;
@@ -236,39 +237,39 @@ void TrackPlayer::steer(const Stage& stage, const Observation& observation) {
         (at(points, Landmark::trachea_mid) - at(points, Landmark::glottis)).normalized();
     const Vec3f to_aim = tip_target(stage, observation, points) - observation.tube_tip;
     aside_ = to_aim - into_trachea * into_trachea.dot(to_aim);
-    // From farther off it is the path that brings the tip near; past the cords the trachea guides it.
+    // Farther away, the path brings the tip near; past the cords, the trachea guides it.
     if (to_aim.norm() > corrected_within || observation.tube_depth_past_glottis > 0.0f) {
         return;
     }
     steered_ += track().steering * correction(observation) * aside_;
-    steered_ *= std::min(1.0f, most_steering / std::max(steered_.norm(), 1e-9f));
+    steered_ *= std::min(1.0f, max_steering / std::max(steered_.norm(), 1e-9f));
 }
 
-// Turns the tool so that its tip moves by steered_. All turns are about where it passes the lips: whatever it
-// lies on farther down, the tip then goes where the hand turns it. Rolled between the fingers, a curved tube
-// swings its tip to the side and hardly moves where it lies on the blade, so as much as possible is done by
-// rolling.
+// Turns the tool so that its tip moves by steered_. All turns are about the point where it passes the lips:
+// whatever supports it farther down, the tip then follows the hand. Rolled between the fingers, a curved tube
+// swings its tip sideways and hardly moves where it lies on the blade. Rolling is therefore used as far as
+// possible.
 RigidTransform TrackPlayer::steered(const RigidTransform& pose, const Observation& observation) const {
     const Vec3f& mouth = at(observation.landmarks, Landmark::mouth_opening);
-    const RigidTransform lips = pose * along_tool(length_until(pose, mouth));
+    const RigidTransform lips = pose * along_tool(arc_length_to(pose, mouth));
     const Vec3f arm = pose * tip_.translation - lips.translation;
     const Vec3f axis = lips.rotation * Vec3f::UnitZ();
     const Vec3f swing = axis.cross(arm);
     const float roll = swing.norm() > least_swing ? swing.dot(steered_) / swing.squaredNorm() : 0.0f;
     const Vec3f rest = steered_ - roll * swing;
-    // With the tip nearly out of the lips hardly any arm is left, and no hand makes up for that by turning
-    // farther.
+    // With the tip nearly out of the lips there is hardly any lever arm, and a hand does not compensate by
+    // turning farther.
     Vec3f aside = arm.cross(rest) / std::max(arm.squaredNorm(), 1e-6f);
-    aside *= std::min(1.0f, most_turn / std::max(aside.norm(), 1e-9f));
+    aside *= std::min(1.0f, max_turn / std::max(aside.norm(), 1e-9f));
     const Quatf turn = quaternion_from(roll * axis + aside);
     return RigidTransform{turn, lips.translation - turn * lips.translation} * pose;
 }
 
-// Tissue that slides off to one side of a blade pushes it to the other, the more the farther it is: a hand
-// that did not lean against that would lose the tongue.
+// Tissue that slides off one side of a blade pushes it to the other, increasingly with its distance; a hand
+// that does not lean against it loses the tongue.
 void TrackPlayer::lean(const Observation& observation) {
     const Vec3f missed = nominal_ * tip_.translation - observation.proxy * tip_.translation;
-    // Farther off, the blade is not where the hand holds it, or is not seen yet.
+    // Farther away, the blade is not where the hand holds it, or is not visible yet.
     if (missed.norm() < corrected_within) {
         leaning_ += correction(observation) * missed.dot(nominal_.rotation * Vec3f::UnitX());
         leaning_ = std::clamp(leaning_, -track().lean, track().lean);
@@ -280,7 +281,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         return nominal_;
     }
     if (stages_done() && !finished()) {
-        try_again(observation);
+        start_next_attempt(observation);
     }
     if (!placed_) {
         target_ = target_of(track().stages.front(), observation, observation.landmarks, {});
@@ -303,8 +304,8 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
         const double since = observation.time - started_;
         nominal_ = between(minimum_jerk(since / duration_));
         const double waited = since - duration_;
-        // Who watches tube or blade go in, or lifts for a view, stops where that is reached, short of where
-        // the path leads.
+        // A hand that watches tube or blade advance, or lifts for a view, stops when that is reached, even
+        // short of the end of the path.
         const bool watches = stage.until_tube_depth >= 0.0f || stage.until_blade_past >= 0.0f ||
                              (stage.keep && stage.until_view_percent >= 0.0f);
         if (waited >= 0.0 || watches) {
@@ -316,7 +317,7 @@ RigidTransform TrackPlayer::wanted(const Observation& observation) {
                 next_stage();
             } else if (!met && waited >= static_cast<double>(stage.timeout)) {
                 if (stage.abort_on_timeout && stage_ + 1 < track().stages.size()) {
-                    gave_up_ = true;
+                    aborted_ = true;
                     stage_ = track().stages.size() - 2;
                 }
                 next_stage();
@@ -343,17 +344,18 @@ void TrackPlayer::next_stage() {
     begun_ = false;
 }
 
-// Each hand decides by what both see, so that it does not matter whether one process holds both.
-void TrackPlayer::try_again(const Observation& observation) {
+// Each hand decides from what both observe, so one process or two give the same result.
+void TrackPlayer::start_next_attempt(const Observation& observation) {
     if (waits_since_ < 0.0) {
         waits_since_ = observation.time;
     }
-    over_ = observation.tube_depth_past_glottis >= placed_depth || observation.time - waits_since_ > patience;
+    over_ = observation.tube_depth_past_glottis >= placed_depth ||
+            observation.time - waits_since_ > decision_timeout;
     const Vec3f& mouth = at(observation.landmarks, Landmark::mouth_opening);
     const Vec3f blade = observation.proxy * Vec3f(0.0f, 0.0f, shortest_blade);
     const float size = size_of(observation, track().weight);
-    // The tube goes first: the blade's hand waits until that is out.
-    const bool drawn_back = draws_back() || (observation.tube_tip - mouth).norm() > tube_out;
+    // The tube goes first: the blade's hand waits until the tube is out.
+    const bool drawn_back = withdraws_tool() || (observation.tube_tip - mouth).norm() > tube_out;
     if (over_ || !drawn_back || (blade - mouth).norm() < size * blade_out) {
         clear_since_ = -1.0;
         return;
@@ -364,13 +366,13 @@ void TrackPlayer::try_again(const Observation& observation) {
     if (observation.time - clear_since_ >= breather) {
         ++attempt_;
         stage_ = 0;
-        begun_ = gave_up_ = false;
+        begun_ = aborted_ = false;
         waits_since_ = clear_since_ = -1.0;
         attempt_began_ = observation.time;
     }
 }
 
-bool TrackPlayer::draws_back() const {
+bool TrackPlayer::withdraws_tool() const {
     const std::vector<Stage>& next = attempts_[attempt_ + 1].stages;
     return !next.empty() && next.front().withdraw >= 0.0f;
 }

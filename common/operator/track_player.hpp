@@ -12,14 +12,14 @@
 
 namespace eti {
 
-/// Plays one hand of a script: turns what is observed into the pose the hand wants.
-/// Deterministic in script, seed and observations. The pose is that of the tool's frame
-/// (laryngoscope: see Laryngoscope; tube: grip, see Tube).
+/// Plays one hand of a script: maps observations to the pose that the hand wants. Deterministic in script,
+/// seed and observations. The pose is that of the tool's frame (laryngoscope: see Laryngoscope; tube: grip,
+/// see Tube).
 class TrackPlayer {
   public:
-    /// Plays the hand of `tool` in the attempts of a script, one after another while the tube does not lie in
-    /// the trachea at an attempt's end. `seed`: of the tremors and of how the attempts stray.
-    /// `tool_length`, `curvature`: as below.
+    /// Plays the hand of `tool` in the attempts of a script, one after another as long as the tube is not in
+    /// the trachea at an attempt's end. `seed`: for the tremors and the attempts' deviations. `tool_length`,
+    /// `curvature`: see below.
     TrackPlayer(const OperatorScript& script, Tool tool, float tool_length, float curvature,
                 std::uint64_t seed);
 
@@ -29,13 +29,13 @@ class TrackPlayer {
     TrackPlayer(const Track& track, float tool_length, float tremor, float reaction, std::uint64_t seed,
                 float curvature = 0.0f);
 
-    /// Pose wanted at `observation.time`; call with non-decreasing times.
+    /// Wanted pose at `observation.time`; call with non-decreasing times.
     [[nodiscard]] RigidTransform wanted(const Observation& observation);
 
     [[nodiscard]] bool finished() const;
-    /// Which attempt it is, from 1.
+    /// Number of the attempt, from 1.
     [[nodiscard]] std::size_t attempt() const { return attempt_ + 1; }
-    [[nodiscard]] bool gave_up() const { return gave_up_; }
+    [[nodiscard]] bool aborted() const { return aborted_; }
     [[nodiscard]] const std::string& stage_name() const;
 
   private:
@@ -46,8 +46,8 @@ class TrackPlayer {
     static constexpr std::size_t tremor_lines = 6;
 
     [[nodiscard]] RigidTransform along_tool(float length) const;
-    /// [m], along the tool at `pose` to where it is next to `point`.
-    [[nodiscard]] float length_until(const RigidTransform& pose, const Vec3f& point) const;
+    /// Arc length [m] along the tool at `pose` to the position closest to `point`.
+    [[nodiscard]] float arc_length_to(const RigidTransform& pose, const Vec3f& point) const;
     [[nodiscard]] Vec3f tip_target(const Stage& stage, const Observation& observation,
                                    const Landmarks& points) const;
     [[nodiscard]] RigidTransform target_of(const Stage& stage, const Observation& observation,
@@ -55,10 +55,10 @@ class TrackPlayer {
     [[nodiscard]] RigidTransform between(float share) const;
     [[nodiscard]] float blade_past(const Stage& stage, const Observation& observation) const;
     [[nodiscard]] bool conditions_met(const Stage& stage, const Observation& observation);
-    /// How much of `time` [s] has passed since the last call, at most all of it.
+    /// Share of `time` [s] that has passed since the last call, at most 1.
     [[nodiscard]] float share_passed(const Observation& observation, double time) const;
-    /// How much of what is seen to be amiss a hand makes up at once; little, however long it was
-    /// not asked.
+    /// Share of a visible error that a hand corrects in this call; small even after a long pause between
+    /// calls.
     [[nodiscard]] float correction(const Observation& observation) const;
     void begin_stage(const Observation& observation);
     void follow(const Stage& stage, const Observation& observation);
@@ -66,10 +66,10 @@ class TrackPlayer {
     void lean(const Observation& observation);
     [[nodiscard]] RigidTransform steered(const RigidTransform& pose, const Observation& observation) const;
     void next_stage();
-    /// Begins the next attempt where this one came to nothing.
-    void try_again(const Observation& observation);
-    /// Whether the next attempt of this hand begins by taking its tool out of the mouth.
-    [[nodiscard]] bool draws_back() const;
+    /// Starts the next attempt if this one failed.
+    void start_next_attempt(const Observation& observation);
+    /// Whether this hand's next attempt starts by withdrawing its tool from the mouth.
+    [[nodiscard]] bool withdraws_tool() const;
     [[nodiscard]] const Track& track() const { return attempts_[attempt_]; }
     [[nodiscard]] bool stages_done() const { return stage_ >= track().stages.size(); }
 
@@ -83,25 +83,25 @@ class TrackPlayer {
     std::size_t attempt_ = 0;
     float tool_length_;
     float curvature_;
-    RigidTransform tip_;  // tool frame: the tip, +z where it points
+    RigidTransform tip_;  // tool frame: the tip, with +z tangential
     float reaction_;
     std::array<std::array<Line, tremor_lines>, 3> tremor_;
     std::size_t stage_ = 0;
     bool placed_ = false;
     bool begun_ = false;  // the current stage has its target
-    bool gave_up_ = false;
-    Landmarks seen_{};  // as the stage aims at them
+    bool aborted_ = false;
+    Landmarks seen_{};  // the landmarks the stage aims at
     RigidTransform from_, target_, nominal_;
     Vec3f led_ = Vec3f::Zero();      // [m], tool frame; the point that moves straight from from_ to target_
-    Vec3f aside_ = Vec3f::Zero();    // [m], from the tip that is seen to the line it is steered along
-    Vec3f steered_ = Vec3f::Zero();  // [m], by which the hand means to have turned the tip
-    float leaning_ = 0.0f;           // [m], to the tool's left, against what pushes its tip aside
+    Vec3f aside_ = Vec3f::Zero();    // [m], from the visible tip to the line along which it is steered
+    Vec3f steered_ = Vec3f::Zero();  // [m], accumulated steering of the tip
+    float leaning_ = 0.0f;           // [m], to the tool's left, against the sideways force on its tip
     double started_ = 0.0, duration_ = 0.0;  // [s], of the current stage's motion
-    double met_since_ = -1.0;                // [s], when the until conditions began to hold
+    double met_since_ = -1.0;                // [s], when the until conditions became true
     double last_time_ = 0.0;
     bool over_ = false;           // no further attempt is needed
     double attempt_began_ = 0.0;  // [s]
-    double waits_since_ = -1.0;   // [s], for what decides on a further attempt
+    double waits_since_ = -1.0;   // [s], start of the wait for the decision on a further attempt
     double clear_since_ = -1.0;   // [s], since both tools have been out of the mouth
 };
 

@@ -27,20 +27,20 @@ std::string range_text(const NumberLimits<Number>& limits) {
                : fmt::format("{} or more{}", limits.low, unit);
 }
 
-/// Why `text` is no such number: what was found and what was expected. Empty where it is one; then `text` is
-/// written anew, so that CLI11, which reads it next, reads the same number: its own conversion takes "010"
-/// for eight, its Range NaN for a number in any range, and -1 for 2^64 - 1 where counts are unsigned.
+/// Why `text` is not such a number: what was found and what was expected. Empty if it is one. Then `text` is
+/// normalised, so that CLI11, which parses it next, gets the same number: its own conversion takes "010" for
+/// eight, its Range accepts NaN, and unsigned counts accept -1 as 2^64 - 1.
 template <class Number>
-std::string why_no_number(std::string& text, const NumberLimits<Number>& limits) {
-    // A sign in front is usual, and unknown to from_chars.
+std::string number_error(std::string& text, const NumberLimits<Number>& limits) {
+    // A leading sign is common, but from_chars does not accept it.
     const char* const begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
     const char* const end = text.data() + text.size();
     constexpr bool whole = std::is_integral_v<Number>;
     const auto refused = [&](const std::string& finding) {
-        return fmt::format("'{}' {}; expected a {}, {}", escaped(text, longest_shown), finding,
+        return fmt::format("'{}' {}; expected a {}, {}", escaped(text, max_shown_bytes), finding,
                            whole ? "whole number" : "number", range_text(limits));
     };
-    // Wide enough to tell what is out of the type's own range.
+    // Wide enough to recognise values outside the type's own range.
     using Wide = std::conditional_t<!whole, double, Number>;
     Wide value{};
     const auto [rest, error] = std::from_chars(begin, end, value);
@@ -123,9 +123,9 @@ Option Option::excludes(std::initializer_list<const char*> others) {
     return *this;
 }
 
-Option Option::check(std::function<std::string(const std::string&)> why_refused,
+Option Option::check(std::function<std::string(const std::string&)> validation_error,
                      const std::string& description) {
-    return Option(option_->check(std::move(why_refused), description));
+    return Option(option_->check(std::move(validation_error), description));
 }
 
 Option Option::one_of(const std::vector<std::string>& words) {
@@ -174,10 +174,10 @@ Option CommandLine::add_option(const std::string& name, std::vector<std::vector<
 template <class Value>
 Option CommandLine::add_number(const std::string& name, Value& value, const std::string& description,
                                const NumberLimits<typename NumberOf<Value>::type>& limits) {
-    // A transformation, not a check: the text is written anew.
+    // A transformation, not a check: it normalises the text.
     return Option(
         app_->add_option(name, value, description)
-            ->transform(CLI::Validator([limits](std::string& text) { return why_no_number(text, limits); },
+            ->transform(CLI::Validator([limits](std::string& text) { return number_error(text, limits); },
                                        std::string()))
             ->type_name((std::is_integral_v<typename NumberOf<Value>::type> ? "COUNT [" : "NUMBER [") +
                         range_text(limits) + "]"));
@@ -192,7 +192,7 @@ void CommandLine::set_version_flag(const std::string& name, const std::string& v
 }
 
 CommandLine CommandLine::add_subcommand(const std::string& name, const std::string& description) {
-    // Keeps the whole program's alive, which owns it.
+    // Shares ownership of the whole program's command line.
     return CommandLine(std::shared_ptr<CLI::App>(app_, app_->add_subcommand(name, description)));
 }
 
@@ -229,7 +229,7 @@ std::optional<int> CommandLine::parse(int argc, const char* const* argv) {
         std::ostringstream said;
         const int status = app_->exit(error, std::cout, said);
         std::cerr << escaped_lines(said.str()) << std::flush;
-        return status == 0 ? 0 : status_of_misuse;
+        return status == 0 ? 0 : exit_usage_error;
     }
     return std::nullopt;
 }

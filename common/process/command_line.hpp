@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-// Command lines as the programs need them. CLI11 parses them, inside command_line.cpp alone: its headers hold
-// all of its code, which would cost each program's main about ten seconds of compile time.
+// Command-line parser for all programs. CLI11 is used inside command_line.cpp alone: its headers contain all
+// of its code, which would cost each program's main about ten seconds of compile time.
 
 namespace CLI {
 class App;
@@ -23,12 +23,12 @@ class Option;
 
 namespace eti {
 
-/// What a number of the command line may be, both ends included.
+/// Range of a number on the command line, both ends included.
 template <class Number>
 struct NumberLimits {
     Number low;
     Number high = std::numeric_limits<Number>::max();
-    std::string unit = {};  ///< the one that is typed: "mm", "s"; empty: none
+    std::string unit = {};  ///< the unit as typed: "mm", "s"; empty: none
 };
 
 template <class Value>
@@ -40,22 +40,22 @@ struct NumberOf<std::optional<Value>> {
     using type = Value;
 };
 
-/// Exit status of a program that was called wrongly.
-inline constexpr int status_of_misuse = 2;
+/// Exit status after a usage error.
+inline constexpr int exit_usage_error = 2;
 
-/// Thrown by a callback where options that are each well-formed do not go together; parse() prints its text.
+/// Thrown by a callback for well-formed options that contradict each other; parse() prints its text.
 class UsageError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
 /// An option, flag or positional argument of a command line. A handle: copies refer to the same option, and
-/// none may be used once the command line is gone. Setters return the handle, to be chained.
+/// are invalid once the command line is destroyed. Setters return the handle for chaining.
 class Option {
   public:
-    /// Refuses a command line that does not give it.
+    /// Rejects a command line without it.
     Option required(bool value = true);
-    /// Shows the variable's present value in `--help` as the default.
+    /// Shows the variable's current value in `--help` as the default.
     Option capture_default_str();
     /// Lists it in `--help` under this heading.
     Option group(const std::string& heading);
@@ -64,30 +64,30 @@ class Option {
 
     /// Takes from `least` to `most` values.
     Option expected(int least, int most);
-    /// May be given several times; all values are kept, and `--help` shows one.
+    /// May be repeated; all values are kept, and `--help` shows one.
     Option repeatable();
-    /// False: takes one value each time that it is given, and leaves the next word to others.
+    /// False: takes one value per occurrence and leaves the next word to others.
     Option allow_extra_args(bool value);
 
-    /// Refuses it without `other`.
+    /// Rejects it without `other`.
     Option needs(const Option& other);
-    /// Refuses it beside `other`.
+    /// Rejects it together with `other`.
     Option excludes(const Option& other);
-    /// The same for several by name. Throws std::runtime_error where one is not declared yet.
+    /// The same for several options by name. Throws std::runtime_error for one that is not declared yet.
     Option excludes(std::initializer_list<const char*> others);
 
-    /// Refuses a value where `why_refused` returns a reason, which is printed; an empty one takes the value.
-    /// `description` stands behind the value's type in `--help`.
-    Option check(std::function<std::string(const std::string&)> why_refused,
+    /// Rejects a value for which `validation_error` returns a reason, which is printed; an empty text accepts
+    /// the value. `description` is shown after the value's type in `--help`.
+    Option check(std::function<std::string(const std::string&)> validation_error,
                  const std::string& description = {});
-    /// Refuses what is none of these words.
+    /// Rejects any other word.
     Option one_of(const std::vector<std::string>& words);
-    /// Refuses a path that leads to no file.
+    /// Rejects a path that is not an existing file.
     Option existing_file();
-    /// Refuses a path that leads to no folder.
+    /// Rejects a path that is not an existing folder.
     Option existing_folder();
 
-    /// Returns whether the command line did not give it.
+    /// Whether the command line lacks it.
     [[nodiscard]] bool empty() const;
 
   private:
@@ -98,29 +98,29 @@ class Option {
 };
 
 /// The command line of a program, or of one of its subcommands. A handle: copies refer to the same command
-/// line, which lives as long as one of them. Variables that options are bound to must outlive parse(). A
-/// declaration that contradicts an earlier one, such as a name that is taken, throws std::runtime_error.
+/// line, which lives as long as one of them. Variables bound to options must outlive parse(). A declaration
+/// that contradicts an earlier one, such as a duplicate name, throws std::runtime_error.
 class CommandLine {
   public:
-    /// Without a name, `--help` shows the one that the program was started by.
+    /// Without a name, `--help` shows the name of the executable as it was started.
     explicit CommandLine(const std::string& description, const std::string& name = {});
 
-    /// Adds an option "--name", or a positional argument "NAME", whose value or values `value` receives.
+    /// Adds an option "--name", or a positional argument "NAME"; its value or values go into `value`.
     Option add_option(const std::string& name, std::string& value, const std::string& description = {});
     Option add_option(const std::string& name, std::filesystem::path& value, const std::string& description);
     Option add_option(const std::string& name, std::vector<std::string>& values,
                       const std::string& description);
     Option add_option(const std::string& name, std::vector<std::filesystem::path>& values,
                       const std::string& description);
-    /// One list each time that it is given.
+    /// One list per occurrence.
     Option add_option(const std::string& name, std::vector<std::vector<std::string>>& lists,
                       const std::string& description);
 
-    /// Adds an option for a number, a plain one or std::optional of one; all programs declare theirs by this.
-    /// Decimal digits alone are a number, and only finite ones within the limits are taken: no "nan", no
-    /// "0x1f", no "5mm", no -1 for 2^64 - 1. A refusal tells what was found and what was expected. `--help`
-    /// shows the range; tests/system/test_numbers.py reads it there and tries it from outside. Of int, float,
-    /// double and unsigned integers of 16, 32 and 64 bits.
+    /// Adds an option for a number or a std::optional of one; all programs declare numbers this way. Accepts
+    /// only decimal, finite numbers within the limits: no "nan", no "0x1f", no "5mm", no -1 for 2^64 - 1. An
+    /// error states what was found and what was expected. `--help` shows the range;
+    /// tests/system/test_numbers.py reads it there and tests it. For int, float, double and unsigned integers
+    /// of 16, 32 and 64 bits.
     template <class Value>
     Option add_number(const std::string& name, Value& value, const std::string& description,
                       const NumberLimits<typename NumberOf<Value>::type>& limits);
@@ -131,31 +131,31 @@ class CommandLine {
     /// Adds a flag that prints the version and ends the program.
     void set_version_flag(const std::string& name, const std::string& version);
 
-    /// Adds a subcommand. It begins with its parent's fallthrough().
+    /// Adds a subcommand, which inherits its parent's fallthrough().
     [[nodiscard]] CommandLine add_subcommand(const std::string& name, const std::string& description);
 
-    /// Refuses a command line without exactly `count` subcommands.
+    /// Rejects a command line without exactly `count` subcommands.
     void require_subcommand(int count);
-    /// Leaves options that a subcommand does not know to its parent.
+    /// Passes options that a subcommand does not know to its parent.
     void fallthrough(bool value = true);
-    /// Keeps words that nothing is declared for, in remaining(), instead of refusing them.
+    /// Keeps undeclared words in remaining() instead of rejecting them.
     void allow_extras();
-    /// Ends `--help` with this text.
+    /// Appends this text to `--help`.
     void footer(const std::string& text);
-    /// Has `done` called once all is parsed without a mistake; a subcommand's only where that was given. May
-    /// throw UsageError.
+    /// Calls `done` after successful parsing; a subcommand's only if that subcommand was given. May throw
+    /// UsageError.
     void callback(std::function<void()> done);
 
-    /// Parses. Returns the exit status where the program is done already: 0 after --help and --version, which
-    /// are printed, 2 after a mistake, which is said. Of a program's command line only.
+    /// Parses. Returns the exit status if the program is to end: 0 after printing --help or --version, 2
+    /// after printing an error. For a program's command line only.
     [[nodiscard]] std::optional<int> parse(int argc, const char* const* argv);
 
     [[nodiscard]] std::string name() const;
-    /// Returns an option by its name; throws std::runtime_error where there is none.
+    /// An option by its name; throws std::runtime_error if there is none.
     [[nodiscard]] Option option(const std::string& name) const;
-    /// Returns whether a subcommand was given.
+    /// Whether a subcommand was given.
     [[nodiscard]] bool parsed() const;
-    /// Returns what allow_extras() has kept.
+    /// Words kept by allow_extras().
     [[nodiscard]] std::vector<std::string> remaining() const;
 
   private:

@@ -9,7 +9,7 @@ namespace eti {
 
 namespace {
 
-/// Bytes of the UTF-8 character at `at`; 0 where there is none.
+/// Length [bytes] of the UTF-8 character at `at`; 0 if there is none.
 std::size_t character_at(std::string_view text, std::size_t at) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     const unsigned char first = byte(at);
@@ -42,7 +42,7 @@ std::string escape(std::string_view text, std::string_view kept, std::size_t mos
     for (std::size_t at = 0; at < text.size();) {
         const std::size_t size = character_at(text, at);
         const auto first = static_cast<unsigned char>(text[at]);
-        // U+0080 to U+009F: some terminals take U+009B for the beginning of a command.
+        // U+0080 to U+009F: some terminals interpret U+009B as the start of a control sequence.
         const bool control = size == 1   ? (first < 0x20 || first == 0x7f) && kept.find(text[at]) == kept.npos
                              : size == 2 ? first == 0xc2 && static_cast<unsigned char>(text[at + 1]) < 0xa0
                                          : size == 0;

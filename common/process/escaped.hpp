@@ -8,15 +8,15 @@
 
 namespace eti {
 
-/// Bytes of a found text that are shown in a message; more helps nobody.
-inline constexpr std::size_t longest_shown = 60;
+/// Maximum length [bytes] of quoted text in a message.
+inline constexpr std::size_t max_shown_bytes = 60;
 
-/// `text` as a terminal may show it. Control characters of ASCII and of Latin-1 (U+0080 to U+009F) and bytes
-/// that are no UTF-8 are written as \x1b, \t and \n by their letters. What is longer than `most` bytes is cut
-/// at a whole character and ends in "...".
+/// `text` made safe for a terminal. Control characters of ASCII and of Latin-1 (U+0080 to U+009F) and bytes
+/// that are not UTF-8 are written as \x1b, \t and \n by their letters. Text longer than `most` bytes is cut
+/// at a character boundary and ends in "...".
 [[nodiscard]] std::string escaped(std::string_view text, std::size_t most = std::string_view::npos);
 
-/// The same, but for line ends and tabs, which stay: for a whole message.
+/// The same for a whole message: keeps line ends and tabs.
 [[nodiscard]] std::string escaped_lines(std::string_view text);
 
 }  // namespace eti

@@ -28,7 +28,7 @@ void limit(decltype(RLIMIT_CORE) resource, rlim_t most) {
 
 }  // namespace
 
-Guarded run_guarded(const std::function<int()>& task, const GuardLimits& limits) {
+GuardedResult run_guarded(const std::function<int()>& task, const GuardLimits& limits) {
     std::cout.flush();
     std::cerr.flush();
     std::fflush(nullptr);
@@ -40,7 +40,7 @@ Guarded run_guarded(const std::function<int()>& task, const GuardLimits& limits)
         limit(RLIMIT_CORE, 0);
         limit(RLIMIT_CPU, limits.processor_seconds);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-        // Sanitizers reserve terabytes of address space for themselves.
+        // Sanitizers reserve terabytes of address space.
         limit(RLIMIT_AS, limits.memory_bytes);
 #endif
         int status = 1;
@@ -51,7 +51,7 @@ Guarded run_guarded(const std::function<int()>& task, const GuardLimits& limits)
         }
         std::cout.flush();
         std::fflush(nullptr);
-        // No destructors of static objects: they belong to the parent.
+        // Skip destructors of static objects: they belong to the parent.
         ::_exit(status);
     }
     int status = 0;

@@ -9,10 +9,10 @@
 
 namespace eti {
 
-/// What became of a task that ran in a child process.
-struct Guarded {
-    int status = 0;                     ///< the task's result, when it came to its end
-    std::optional<std::string> broken;  ///< why it did not, e.g. "signal 11 (Segmentation fault)"
+/// Result of a task in a child process.
+struct GuardedResult {
+    int status = 0;                     ///< the task's result, if it completed
+    std::optional<std::string> broken;  ///< why it did not complete, e.g. "signal 11 (Segmentation fault)"
 };
 
 struct GuardLimits {
@@ -20,10 +20,9 @@ struct GuardLimits {
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< of address space
 };
 
-/// Runs `task` in a child process with bounded memory, processor time and no core file. A damaged or
-/// hostile file can crash or hang the library that reads it; there it does so for itself alone. The
-/// child shares standard output and error. Call it while the program has no other thread that holds
-/// a lock the task needs.
-[[nodiscard]] Guarded run_guarded(const std::function<int()>& task, const GuardLimits& limits = {});
+/// Runs `task` in a child process with bounded memory and processor time and without a core file. A damaged
+/// or hostile file can crash or hang the library that reads it; in a child, only the child is affected. The
+/// child shares standard output and error. Call it while no other thread holds a lock that the task needs.
+[[nodiscard]] GuardedResult run_guarded(const std::function<int()>& task, const GuardLimits& limits = {});
 
 }  // namespace eti

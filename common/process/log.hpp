@@ -6,8 +6,8 @@
 
 namespace eti {
 
-/// The program's log goes to standard error under its name, since standard output belongs to its result. What
-/// names and files hold is shown, never obeyed: control characters are escaped.
+/// Logs to standard error under the program's name, since standard output is for results. Control characters
+/// in names and files are escaped.
 void set_up_log(const std::string& program);
 
 }  // namespace eti

@@ -28,11 +28,11 @@ std::string take_priority(int policy, int priority) {
 
 }  // namespace
 
-std::string become_real_time(int priority) {
+std::string set_real_time_priority(int priority) {
     return take_priority(SCHED_FIFO | SCHED_RESET_ON_FORK, priority);
 }
 
-void become_ordinary() {
+void reset_priority() {
     const sched_param none{};
     ::sched_setscheduler(0, SCHED_OTHER, &none);
 }
@@ -42,11 +42,11 @@ RealTimeThreads::RealTimeThreads(int priority, bool wanted)
 
 RealTimeThreads::~RealTimeThreads() {
     if (wanted_) {
-        become_ordinary();
+        reset_priority();
     }
 }
 
-void yield_to_others(int nice) {
+void lower_priority(int nice) {
     ::setpriority(PRIO_PROCESS, 0, std::max(nice, ::getpriority(PRIO_PROCESS, 0)));
 }
 

@@ -6,33 +6,33 @@
 
 namespace eti {
 
-/// Real-time priorities (SCHED_FIFO) of the threads between a hand and what it feels. What runs for
-/// microseconds goes before what runs for milliseconds: the other way round it would be late every time,
-/// and this way it costs the longer work next to nothing.
+/// Real-time priorities (SCHED_FIFO) of the threads in the haptic path. Work of microseconds precedes work of
+/// milliseconds: the reverse order would delay it every time, while this order hardly delays the longer work.
 namespace priority {
-inline constexpr int loop = 80;    ///< the haptic loop; below the kernel's own
-inline constexpr int bus = 70;     ///< takes messages in, and sends what is felt
-inline constexpr int step = 60;    ///< the simulation, and what shares the bus's locks with the above
-inline constexpr int beside = 50;  ///< what a step may have to wait for
+inline constexpr int loop = 80;        ///< the haptic loop; below the kernel's own
+inline constexpr int bus = 70;         ///< receives messages and sends forces
+inline constexpr int step = 60;        ///< the simulation; shares the bus's locks with the above
+inline constexpr int background = 50;  ///< work that a step may have to wait for
 }  // namespace priority
 
-/// Gives the calling thread a real-time priority; the threads that it starts have none. Returns an empty
-/// text, or why the kernel refused and what to do.
-[[nodiscard]] std::string become_real_time(int priority);
+/// Sets a real-time priority for the calling thread, but not for the threads that it starts. Returns an empty
+/// text, or why the kernel refused and the remedy.
+[[nodiscard]] std::string set_real_time_priority(int priority);
 
-/// Back to an ordinary one.
-void become_ordinary();
+/// Restores normal scheduling.
+void reset_priority();
 
-/// While this lives, the calling thread has a real-time priority and so have the threads that it starts: for
-/// those of a library, which cannot be asked. Afterwards the calling thread has an ordinary one.
+/// During its lifetime, the calling thread and the threads that it starts have a real-time priority: for a
+/// library's threads, which cannot be configured. The destructor restores the calling thread's normal
+/// scheduling.
 class RealTimeThreads {
   public:
-    /// Not `wanted`: does nothing.
+    /// With `wanted` false: does nothing.
     explicit RealTimeThreads(int priority, bool wanted = true);
     ~RealTimeThreads();
     RealTimeThreads(const RealTimeThreads&) = delete;
     RealTimeThreads& operator=(const RealTimeThreads&) = delete;
-    /// Empty, or why the kernel refused and what to do.
+    /// Empty, or why the kernel refused and the remedy.
     [[nodiscard]] const std::string& refusal() const { return refusal_; }
 
   private:
@@ -40,9 +40,9 @@ class RealTimeThreads {
     std::string refusal_;
 };
 
-/// Lets others go before the calling thread and those that it starts later, by a nice value up to 19. Needs
-/// no rights. The kernel may share among sessions of processes first (autogroups), and then it counts in
-/// each.
-void yield_to_others(int nice);
+/// Lowers the priority of the calling thread, and of threads that it starts later, by a nice value up to 19.
+/// Needs no privileges. With autogroups, the kernel first divides time among process sessions, and the value
+/// counts within each.
+void lower_priority(int nice);
 
 }  // namespace eti

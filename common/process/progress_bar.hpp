@@ -8,12 +8,12 @@
 
 namespace eti {
 
-/// A bar on standard error where that is a terminal, at most ten times a second. Several threads may draw it.
+/// A progress bar on standard error if that is a terminal, drawn at most ten times a second. Thread-safe.
 class ProgressBar {
   public:
     ProgressBar();
 
-    /// `share`: of what is to do, 0 to 1; `what` stands behind it.
+    /// `share`: progress, 0 to 1; `what`: text after the bar.
     void draw(float share, std::string_view what);
     void clear() const;
 

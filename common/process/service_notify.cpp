@@ -20,7 +20,7 @@ std::string_view variable(const char* name) {
     return value != nullptr ? value : "";
 }
 
-/// A whole positive number, or none.
+/// A positive integer, or nullopt.
 std::optional<long> number(std::string_view text) {
     long value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -31,7 +31,8 @@ std::optional<long> number(std::string_view text) {
 }  // namespace
 
 ServiceNotify::ServiceNotify() : address_(variable("NOTIFY_SOCKET")) {
-    // Other kinds than a path and an abstract name are for containers' hosts, and too long ones are nobody's.
+    // Address families other than a path and an abstract name are for containers' hosts; an overlong address
+    // is invalid.
     if (address_.size() < 2 || address_.size() >= sizeof(sockaddr_un::sun_path) ||
         (address_[0] != '/' && address_[0] != '@')) {
         return;

@@ -7,33 +7,32 @@
 #include <string>
 #include <string_view>
 
-#include "common/process/descriptor.hpp"
+#include "common/process/files/descriptor.hpp"
 
 namespace eti {
 
-/// Tells the service manager how a program is, by the protocol of sd_notify(3): one datagram of text to the
-/// socket that NOTIFY_SOCKET names. Without that variable it does nothing. Never waits for the manager: what
-/// does not fit into its socket is left out. From one thread.
+/// Reports a program's state to the service manager by the protocol of sd_notify(3): one text datagram to the
+/// socket in NOTIFY_SOCKET. Does nothing without that variable. Never blocks: what does not fit into the
+/// socket is dropped. Use from one thread.
 class ServiceNotify {
   public:
     ServiceNotify();
 
-    /// The program does its work, and has just done a piece of it. The first call says that it is ready,
-    /// later ones that it is alive, four times in the span in which the manager wants to hear of it. Cheap:
-    /// call it from the loop that must not hang, and from nowhere else.
+    /// Reports progress. The first call reports readiness, later ones feed the manager's watchdog four times
+    /// per watchdog interval. Cheap: call it from the loop that must not hang, and from nowhere else.
     void alive();
 
-    /// A line for whoever asks the manager.
+    /// Status line shown by the service manager.
     void say(std::string_view status) { send("STATUS=" + std::string(status)); }
 
-    /// The program is about to end.
+    /// Reports that the program is about to end.
     void ending() { send("STOPPING=1"); }
 
   private:
     using Time = std::chrono::steady_clock;
     void send(const std::string& text);
 
-    Descriptor socket_;  // none: nobody listens
+    Descriptor socket_;  // none: no manager
     std::string address_;
     std::optional<Time::duration> interval_;  // none: no watchdog
     Time::time_point next_;

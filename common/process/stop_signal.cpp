@@ -36,11 +36,11 @@ void catch_stop_signals(const StopSignals& how) {
     }
 }
 
-bool stop_asked() {
+bool stop_requested() {
     return asked.load();
 }
 
-void ask_to_stop(bool stop) {
+void request_stop(bool stop) {
     asked.store(stop);
 }
 

@@ -4,22 +4,22 @@
 
 namespace eti {
 
-/// What a program does beside remembering that Ctrl-C or SIGTERM asked it to end.
+/// Signal handling beyond recording that Ctrl-C or SIGTERM asked the program to end.
 struct StopSignals {
-    /// A second one ends the program at once: for those that may hang where they cannot look.
+    /// A second signal ends the program at once: for programs that may hang where they cannot poll.
     bool second_ends = false;
-    /// Also SIGHUP and SIGQUIT ask, SIGPIPE is ignored, and system calls that wait return: a terminal that is
-    /// closed, or whoever reads the output and goes away, must not end a program with a device in its hand.
+    /// Also handle SIGHUP and SIGQUIT, ignore SIGPIPE, and interrupt blocking system calls. A closed terminal
+    /// or output pipe must not end a program that drives a haptic device.
     bool holds_device = false;
 };
 
-/// Has Ctrl-C and SIGTERM ask the program to end.
+/// Installs the handlers by which Ctrl-C and SIGTERM ask the program to end.
 void catch_stop_signals(const StopSignals& how = {});
 
-/// Whether one of them came. Child processes inherit what catches them.
-[[nodiscard]] bool stop_asked();
+/// Whether one of them has arrived. Child processes inherit the handlers.
+[[nodiscard]] bool stop_requested();
 
-/// As if Ctrl-C had been pressed, and its opposite.
-void ask_to_stop(bool stop = true);
+/// Sets or clears the request, as if by Ctrl-C.
+void request_stop(bool stop = true);
 
 }  // namespace eti

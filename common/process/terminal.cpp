@@ -16,7 +16,8 @@ Terminal::Terminal() {
     }
     termios keys = before_;
     keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    // Every key comes in, those too that would hold the output or stop the process with a force in its hand.
+    // Receive every key, including those that would suspend output, or stop the process while a force is
+    // applied.
     keys.c_iflag &= ~static_cast<tcflag_t>(IXON);
     keys.c_cc[VSUSP] = keys.c_cc[VQUIT] = _POSIX_VDISABLE;
     keys.c_cc[VMIN] = 0;
@@ -30,9 +31,9 @@ Terminal::~Terminal() {
     }
 }
 
-std::optional<char> Terminal::key(std::chrono::milliseconds patience) {
+std::optional<char> Terminal::key(std::chrono::milliseconds timeout) {
     pollfd waiting{STDIN_FILENO, POLLIN, 0};
-    if (!there_ || ::poll(&waiting, 1, static_cast<int>(patience.count())) <= 0) {
+    if (!there_ || ::poll(&waiting, 1, static_cast<int>(timeout.count())) <= 0) {
         return std::nullopt;
     }
     std::array<char, 1> typed{};
@@ -43,7 +44,7 @@ std::optional<char> Terminal::key(std::chrono::milliseconds patience) {
     if (typed[0] != '\x1b') {
         return typed[0];
     }
-    // An arrow comes as Escape, '[' and a letter, all at once; other keys of that kind count as Escape.
+    // An arrow arrives as Escape, '[' and a letter, all at once; other such keys count as Escape.
     std::array<char, 2> rest{};
     if (::poll(&waiting, 1, 0) <= 0 || ::read(STDIN_FILENO, rest.data(), 2) != 2 || rest[0] != '[') {
         return '\x1b';

@@ -9,8 +9,8 @@
 
 namespace eti {
 
-/// Standard input as single keys, without echo and without waiting for Enter, while it lives. Ctrl-C alone
-/// stays what it is. Does nothing where standard input is no terminal.
+/// During its lifetime, standard input delivers single keys, without echo and without waiting for Enter. Only
+/// Ctrl-C keeps its meaning. Does nothing where standard input is not a terminal.
 class Terminal {
   public:
     Terminal();
@@ -20,9 +20,9 @@ class Terminal {
 
     [[nodiscard]] bool there() const { return there_; }
 
-    /// The next key within `patience`: a letter, or 'U', 'D', 'L', 'R' for the arrows, 27 for Escape and what
-    /// else is no letter; 0 when the terminal is gone.
-    [[nodiscard]] std::optional<char> key(std::chrono::milliseconds patience);
+    /// The next key within `timeout`: a letter; 'U', 'D', 'L', 'R' for the arrows; 27 for Escape and other
+    /// non-letters; 0 when the terminal is closed.
+    [[nodiscard]] std::optional<char> key(std::chrono::milliseconds timeout);
 
   private:
     bool there_ = false;

@@ -22,9 +22,9 @@ Preset parse_preset(const std::string& text, const std::filesystem::path& file) 
         root.refuse("description", "nothing", "a sentence for whoever chooses");
     }
     if (auto set = root.map("set")) {
-        for (const LiveField& field : live_fields) {
+        for (const RuntimeParameterField& field : runtime_parameter_fields) {
             const std::string key = field.key();
-            // Asked for either way, so that finish() knows it.
+            // Both variants read the key, so that finish() accepts it.
             const float value = field.on_off
                                     ? (set->flag(key, false) ? 1.0f : 0.0f)
                                     : set->number(key, 0.0f, {field.low, field.high, field.per_unit});

@@ -10,21 +10,21 @@
 
 namespace eti {
 
-/// Values of what lives that go together: how hard an intubation is.
+/// A named set of runtime parameters: how hard an intubation is.
 struct Preset {
-    std::string name;                 ///< what to ask for it by
-    std::string description;          ///< a sentence for whoever chooses
-    std::vector<LiveSetting> values;  ///< in the order of live_fields; never empty
+    std::string name;                             ///< name used to select it
+    std::string description;                      ///< one sentence for the user
+    std::vector<RuntimeParameterSetting> values;  ///< in the order of runtime_parameter_fields; never empty
 };
 
-/// Reads and checks a preset: `name`, `description`, and under `set` keys as eti-controller --set has them.
+/// Reads and validates a preset: `name`, `description`, and under `set` the keys of eti-controller --set.
 /// Throws InputError.
 [[nodiscard]] Preset load_preset(const std::filesystem::path& file);
 
-/// The same from text; `file` is only named in errors, and gives the name where the text has none.
+/// The same from text. `file` is only used in errors, and gives the name where the text has none.
 [[nodiscard]] Preset parse_preset(const std::string& text, const std::filesystem::path& file);
 
-/// Every preset of the data folders, by name, and what is wrong with those that cannot be read.
+/// All presets of the data folders by name, and the errors of those that cannot be read.
 struct Presets {
     std::vector<Preset> all;
     std::vector<std::string> errors;

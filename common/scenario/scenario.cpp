@@ -9,7 +9,7 @@
 
 #include "common/math/units.hpp"
 #include "common/process/escaped.hpp"
-#include "common/process/file_kind.hpp"
+#include "common/process/files/file_kind.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {
@@ -29,7 +29,7 @@ std::vector<std::filesystem::path> data_folders(const std::string& kind) {
     return folders;
 }
 
-/// The rows of a table that are set in `section`.
+/// The rows of a table that belong to `section`.
 template <class Rows, class Values>
 void read_fields(YamlMap& map, std::string_view section, const Rows& rows, Values& values) {
     for (const auto& field : rows) {
@@ -53,7 +53,7 @@ void read_shape(YamlMap& patient, NewbornShape& shape) {
     const std::span rows(shape_fields);
     read_fields(patient, "patient", rows.first(1), shape);
     if (patient.has(rows[0].key())) {
-        shape.gestational_age = usual_gestational_age(shape.weight);
+        shape.gestational_age = median_gestational_age(shape.weight);
     }
     read_fields(patient, "patient", rows.subspan(1), shape);
     const auto [lightest, heaviest] = plausible_weights(shape.gestational_age);
@@ -66,8 +66,8 @@ void read_shape(YamlMap& patient, NewbornShape& shape) {
     }
 }
 
-/// A built model fixes what it was built from.
-void refuse_what_a_model_holds(const YamlMap& map, std::span<const std::string> keys) {
+/// A built model fixes the keys it was built from.
+void reject_keys_fixed_by_model(const YamlMap& map, std::span<const std::string> keys) {
     for (const std::string& key : keys) {
         if (map.has(key)) {
             map.refuse(key, "a value",
@@ -101,7 +101,7 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
         return given;
     }
     std::vector<std::string> searched;
-    // A name, not a path: nothing that climbs out of the data folders.
+    // A name, not a path: it cannot leave the data folders.
     const bool is_name = !name_or_path.empty() && given.filename() == given && given != ".." && given != ".";
     for (const std::filesystem::path& folder : data_folders(kind)) {
         searched.push_back(folder.string());
@@ -117,7 +117,7 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
 
 namespace {
 
-/// Whether a patient's model must be there for its scenario to be good; a recorded one may have moved.
+/// Whether the patient model's file must exist for its scenario to be valid; a recorded one may have moved.
 enum class ModelFile { required, may_be_absent };
 
 Scenario parse(const std::string& text, const std::filesystem::path& file, ModelFile model_file) {
@@ -130,16 +130,16 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);
-        read_fields(*patient, "patient", live_fields, s.live);
+        read_fields(*patient, "patient", runtime_parameter_fields, s.runtime_parameters);
         if (const std::string model = patient->text("model", ""); !model.empty()) {
-            std::vector<std::string> held = {"variant", live_field("tissue_stiffness")->key()};
+            std::vector<std::string> held = {"variant", find_runtime_parameter("tissue_stiffness")->key()};
             for (const ShapeField& field : shape_fields) {
                 held.push_back(field.key());
             }
-            refuse_what_a_model_holds(*patient, held);
-            // Beside the scenario, wherever the server was started.
+            reject_keys_fixed_by_model(*patient, held);
+            // Relative to the scenario, wherever the server was started.
             p.model = s.folder / model;
-            if (const std::string kind = no_plain_file(p.model);
+            if (const std::string kind = describe_non_regular(p.model);
                 model_file == ModelFile::required && !kind.empty()) {
                 patient->refuse(
                     "model", fmt::format("'{}', where there is {}", escaped(p.model.string()), kind),
@@ -157,8 +157,8 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     if (auto tube = root.map("tube")) {
         Tube& t = s.tube;
         read_fields(*tube, "tube", tube_fields, t);
-        read_fields(*tube, "tube", live_fields, s.live);
-        t = tube_as(t, s.live);
+        read_fields(*tube, "tube", runtime_parameter_fields, s.runtime_parameters);
+        t = apply_to_tube(t, s.runtime_parameters);
         if (t.grip_from_tip > t.length) {
             tube->refuse("grip_from_tip_mm", fmt::format("{:.0f}", t.grip_from_tip / millimetre),
                          fmt::format("at most the tube's length, {:.0f}", t.length / millimetre));
@@ -176,7 +176,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             physics->choice("tissue_method", static_cast<std::size_t>(p.tissue_method), tissue_method_names));
         if (!s.patient.model.empty()) {
             static const std::array<std::string, 3> held = {"spacing_mm", "fine_spacing_mm", "region_mm"};
-            refuse_what_a_model_holds(*physics, held);
+            reject_keys_fixed_by_model(*physics, held);
         }
         if (p.fine_spacing > p.spacing) {
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
@@ -187,7 +187,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
         physics->finish();
     }
     if (auto view = root.map("view")) {
-        read_fields(*view, "view", live_fields, s.live);
+        read_fields(*view, "view", runtime_parameter_fields, s.runtime_parameters);
         view->finish();
     }
     static constexpr std::array<std::string_view, 3> secretions = {"off", "on", "standby"};
@@ -199,9 +199,9 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
         root.refuse("liquid", std::string(name_of(s.liquid)),
                     "saliva, or none: without 'saliva: on' or 'saliva: standby' there is no liquid");
     }
-    s.live.secretion = s.saliva && !s.saliva_standby ? 1.0f : 0.0f;
-    s.live.head_scale = s.patient.shape.head_scale;
-    s.live.tongue_scale = s.patient.shape.tongue_scale;
+    s.runtime_parameters.secretion = s.saliva && !s.saliva_standby ? 1.0f : 0.0f;
+    s.runtime_parameters.head_scale = s.patient.shape.head_scale;
+    s.runtime_parameters.tongue_scale = s.patient.shape.tongue_scale;
     static constexpr std::array<std::string_view, 2> silences = {"go_on", "freeze"};
     s.freeze_on_silence = root.choice("silent_device", 0, silences) == 1;
     s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});

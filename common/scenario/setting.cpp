@@ -18,25 +18,26 @@ std::string_view key_of(std::string_view typed) {
     return typed.substr(0, typed.find('='));
 }
 
-const LiveField* live_field_by_key(std::string_view key) {
-    const auto found = std::ranges::find(live_fields, key, &LiveField::key);
-    return found == live_fields.end() ? nullptr : &*found;
+const RuntimeParameterField* find_runtime_parameter_by_key(std::string_view key) {
+    const auto found = std::ranges::find(runtime_parameter_fields, key, &RuntimeParameterField::key);
+    return found == runtime_parameter_fields.end() ? nullptr : &*found;
 }
 
-std::string live_keys() {
+std::string runtime_parameter_help() {
     std::string text;
-    for (const LiveField& field : live_fields) {
+    for (const RuntimeParameterField& field : runtime_parameter_fields) {
         text +=
             fmt::format("{}{} ({:g} to {:g})", text.empty() ? "" : ", ", field.key(), field.low, field.high);
     }
     return text;
 }
 
-LiveSetting live_setting(const std::string& typed) {
+RuntimeParameterSetting parse_runtime_parameter(const std::string& typed) {
     const std::size_t equals = typed.find('=');
-    const LiveField* const field = live_field_by_key(key_of(typed));
+    const RuntimeParameterField* const field = find_runtime_parameter_by_key(key_of(typed));
     if (equals == std::string::npos || field == nullptr) {
-        throw InputError(fmt::format("--set {}: expected KEY=VALUE with a key of {}", typed, live_keys()));
+        throw InputError(
+            fmt::format("--set {}: expected KEY=VALUE with a key of {}", typed, runtime_parameter_help()));
     }
     const std::string wanted = typed.substr(equals + 1);
     if (field->on_off && (wanted == "on" || wanted == "off")) {
@@ -62,7 +63,7 @@ std::string with_setting(const std::string& text, const std::string& typed) {
     if (equals == std::string::npos || name.empty() || (dot != std::string::npos && section.empty())) {
         throw InputError(fmt::format("--set {}: expected KEY=VALUE, as in patient.weight_kg=1.1", typed));
     }
-    (void)YamlMap::parse(text, "scenario");  // refuses what could make a small text large
+    (void)YamlMap::parse(text, "scenario");  // rejects constructs that expand a small text
     YAML::Node root = YAML::Load(text);
     YAML::Node map = root;
     if (!section.empty()) {

@@ -5,32 +5,32 @@
 #include <string>
 #include <string_view>
 
-#include "common/model/live.hpp"
+#include "common/model/runtime_parameters.hpp"
 
 namespace eti {
 
-/// One value of what lives, as somebody asks for it.
-struct LiveSetting {
-    const LiveField* field;
+/// A requested value of one runtime parameter.
+struct RuntimeParameterSetting {
+    const RuntimeParameterField* field;
     float value;  ///< SI
 };
 
 /// The key of "KEY=VALUE".
 [[nodiscard]] std::string_view key_of(std::string_view typed);
 
-/// The row that is typed by this key, "head_elevation_deg", or nullptr.
-[[nodiscard]] const LiveField* live_field_by_key(std::string_view key);
+/// The row with this key as typed, such as "head_elevation_deg", or nullptr.
+[[nodiscard]] const RuntimeParameterField* find_runtime_parameter_by_key(std::string_view key);
 
-/// The keys of what lives with units and ranges, for help texts.
-[[nodiscard]] std::string live_keys();
+/// The keys of the runtime parameters with units and ranges, for help texts.
+[[nodiscard]] std::string runtime_parameter_help();
 
-/// "tissue_stiffness_kpa=20", "view_clock=on". The range is left to whoever knows what the patient bears.
-/// Throws InputError.
-[[nodiscard]] LiveSetting live_setting(const std::string& typed);
+/// Parses "tissue_stiffness_kpa=20" or "view_clock=on". Does not check the range: the caller knows the
+/// patient's limits. Throws InputError.
+[[nodiscard]] RuntimeParameterSetting parse_runtime_parameter(const std::string& typed);
 
 /// A scenario's text with one value set or replaced, as in "patient.weight_kg=1.1" or "saliva=on"; comments
-/// are lost. Whether the scenario has such a key and bears the value is parse_scenario's to say. Throws
-/// InputError where `typed` is no KEY=VALUE or `text` no scenario.
+/// are lost. The key and its value are not validated here but by parse_scenario. Throws InputError where
+/// `typed` is not KEY=VALUE or `text` is not a scenario.
 [[nodiscard]] std::string with_setting(const std::string& text, const std::string& typed);
 
 }  // namespace eti

@@ -13,7 +13,7 @@
 #include <unordered_set>
 
 #include "common/process/escaped.hpp"
-#include "common/process/file_kind.hpp"
+#include "common/process/files/file_kind.hpp"
 #include "common/scenario/scenario.hpp"
 
 namespace eti {
@@ -21,26 +21,26 @@ namespace eti {
 namespace {
 
 constexpr std::uintmax_t largest_file = 1024 * 1024;
-constexpr int deepest = 12;
-constexpr int most_nodes = 10'000;
+constexpr int max_depth = 12;
+constexpr int max_nodes = 10'000;
 constexpr std::size_t longest_text = 500;
-constexpr std::size_t longest_name = 60;  // the bus carries 64
+constexpr std::size_t longest_name = 60;  // the bus's limit is 64
 
 std::string place(const std::string& file, const YAML::Mark& mark) {
     return mark.is_null() ? file : fmt::format("{}:{}", file, mark.line + 1);
 }
 
-/// As a message shows it: short, and without what a terminal would obey.
+/// Shortened for a message, without control characters.
 std::string shortened(const std::string& value) {
-    return escaped(value, longest_shown);
+    return escaped(value, max_shown_bytes);
 }
 
 std::string shown(const std::string& value) {
     return fmt::format("'{}'", shortened(value));
 }
 
-/// Where a tab stands before a line's first word, or nothing: YAML indents by spaces alone, and its parser
-/// says something else of a tab.
+/// The line whose indentation contains a tab, or nullopt. YAML indents by spaces alone, and its parser's
+/// message does not mention the tab.
 std::optional<int> line_indented_by_tab(const std::string& text) {
     int number = 1;
     bool indenting = true, tab = false;
@@ -61,7 +61,7 @@ std::optional<int> line_indented_by_tab(const std::string& text) {
     return std::nullopt;
 }
 
-/// Walks the events before any tree is built: refuses what could make a small file large.
+/// Walks the parser's events before any tree is built, and rejects constructs that make a small file large.
 class Gate : public YAML::EventHandler {
   public:
     Gate(const std::string& text, const std::string& file) : text_(text), file_(file) {}
@@ -88,7 +88,7 @@ class Gate : public YAML::EventHandler {
     void OnMapEnd() override { --depth_; }
 
   private:
-    // The parser tells plain values by the tag "?" and quoted ones by "!".
+    // The parser tags plain values "?" and quoted ones "!".
     void check(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag = "?") {
         if (anchor != 0) {
             refuse(mark);
@@ -97,14 +97,13 @@ class Gate : public YAML::EventHandler {
             throw InputError(fmt::format("{}: found the tag {}, expected plain values; remove the tag",
                                          place(file_, mark), shown(tag)));
         }
-        if (++nodes_ > most_nodes) {
+        if (++nodes_ > max_nodes) {
             throw InputError(
                 fmt::format("{}: more than {} values, expected at most that; is this the right file?",
-                            place(file_, mark), most_nodes));
+                            place(file_, mark), max_nodes));
         }
     }
-    // The parser takes a quote that is never closed as closed by the file's end, and so would swallow the
-    // keys that follow.
+    // The parser treats the end of file as the closing quote, and would swallow the keys that follow.
     void check_closed(const YAML::Mark& mark) const {
         std::size_t i = static_cast<std::size_t>(mark.pos);
         if (i >= text_.size() || (text_[i] != '"' && text_[i] != '\'')) {
@@ -124,10 +123,10 @@ class Gate : public YAML::EventHandler {
     }
     void enter(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag) {
         check(mark, anchor, tag);
-        if (++depth_ > deepest) {
+        if (++depth_ > max_depth) {
             throw InputError(
                 fmt::format("{}: nested deeper than {} levels, expected at most that; flatten the file",
-                            place(file_, mark), deepest));
+                            place(file_, mark), max_depth));
         }
     }
     [[noreturn]] void refuse(const YAML::Mark& mark) const {
@@ -141,7 +140,7 @@ class Gate : public YAML::EventHandler {
     int nodes_ = 0;
 };
 
-/// Refuses what is no UTF-8 text before the YAML parser sees it; says at which line.
+/// Rejects text that is not UTF-8 before the YAML parser sees it; states the line.
 void check_text(const std::string& text, const std::string& file) {
     if (text.starts_with("\xef\xbb\xbf")) {
         throw InputError(fmt::format(
@@ -151,7 +150,7 @@ void check_text(const std::string& text, const std::string& file) {
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto byte = static_cast<unsigned char>(text[i]);
         line += byte == '\n';
-        // How many continuation bytes follow, from the leading byte's high bits.
+        // Number of continuation bytes, from the leading byte's high bits.
         const int more = byte < 0x80           ? 0
                          : (byte >> 5) == 0x6  ? 1
                          : (byte >> 4) == 0xe  ? 2
@@ -172,7 +171,7 @@ void check_text(const std::string& text, const std::string& file) {
     }
 }
 
-/// Letters to insert, remove or replace to make one word the other (Levenshtein).
+/// Levenshtein distance: insertions, removals and replacements that turn one word into the other.
 std::size_t distance(std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) {
@@ -189,10 +188,10 @@ std::size_t distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-/// "; did you mean 'x'?" where a known word is so near that a slip explains it, else nothing.
+/// "; did you mean 'x'?" if a known word is close enough to be a typing error; else empty.
 std::string guess(const std::string& word, std::span<const std::string> known) {
     const std::string* best = nullptr;
-    std::size_t least = 4;  // more than three letters apart is another word
+    std::size_t least = 4;  // more than three edits make it another word
     for (const std::string& candidate : known) {
         const std::size_t apart = word.size() < 64 ? distance(word, candidate) : least;
         if (apart < least && 2 * apart < candidate.size()) {
@@ -206,7 +205,7 @@ std::string guess(const std::string& word, std::span<const std::string> known) {
 }  // namespace
 
 std::string read_text_file(const std::filesystem::path& file) {
-    if (const std::string kind = no_plain_file(file); !kind.empty()) {
+    if (const std::string kind = describe_non_regular(file); !kind.empty()) {
         throw InputError(fmt::format("{}: found {}, expected a file; check the path", file.string(), kind));
     }
     std::error_code error;

@@ -15,7 +15,7 @@
 
 namespace eti {
 
-/// Allowed values of a number as typed, and what one typed unit is in SI.
+/// Range of a number in typed units, and the SI value of one typed unit.
 struct Range {
     float low, high;
     float unit = 1.0f;  ///< SI value of one typed unit, e.g. 1e-3 for millimetres
@@ -24,13 +24,13 @@ struct Range {
 /// Reads a whole file of at most 1 MiB. Throws InputError.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
-/// A YAML mapping read strictly: every access names the key it expects, and finish() refuses the keys
-/// nobody asked for. All errors are InputErrors that say file, line and key, what was found, what was
-/// expected and, where there is one, the remedy.
+/// A YAML mapping, read strictly: every access names the key it expects, and finish() rejects keys that were
+/// never read. All errors are InputErrors that state file, line and key, what was found, what was expected
+/// and, where there is one, the remedy.
 class YamlMap {
   public:
-    /// Parses `text`. Anchors and aliases, tags, duplicate keys, a second document, more than 10,000 values
-    /// and nesting deeper than 12 are refused: nothing a small file says can grow large.
+    /// Parses `text`. Rejects anchors and aliases, tags, duplicate keys, a second document, more than 10,000
+    /// values and nesting deeper than 12: a small file cannot expand to a large one.
     [[nodiscard]] static YamlMap parse(const std::string& text, const std::string& file);
 
     [[nodiscard]] bool has(std::string_view key) const;
@@ -40,7 +40,7 @@ class YamlMap {
     [[nodiscard]] bool flag(const std::string& key, bool fallback);
     [[nodiscard]] std::string text(const std::string& key,
                                    const std::string& fallback);  ///< at most 500 letters
-    /// A text that also goes over the bus and into tables: one line of 1 to 60 letters.
+    /// A name for the bus and for tables: one line of 1 to 60 letters.
     [[nodiscard]] std::string name(const std::string& key, const std::string& fallback);
     /// Index of the value among `names`; `fallback` where the key is absent.
     [[nodiscard]] std::size_t choice(const std::string& key, std::size_t fallback,
@@ -48,7 +48,7 @@ class YamlMap {
     [[nodiscard]] Vec3f vector(const std::string& key, const Range& range);  ///< SI; zero where absent
     [[nodiscard]] std::optional<YamlMap> map(const std::string& key);
     [[nodiscard]] std::vector<YamlMap> list(const std::string& key);
-    /// Refuses keys that were not asked for.
+    /// Rejects keys that were never read.
     void finish() const;
 
     [[noreturn]] void refuse(const std::string& key, const std::string& found,

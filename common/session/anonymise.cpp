@@ -9,7 +9,7 @@
 #include <set>
 
 #include "common/hdf5/copy.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
 #include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
 
@@ -17,13 +17,13 @@ namespace eti::session {
 
 namespace {
 
-/// Texts of `meta/more` that say of a session how it can be simulated again; all others go.
+/// Texts of `meta/more` needed to simulate a session again; all others are removed.
 constexpr std::array kept_more{processor_text, libraries_text, patient_hash_text};
 
-/// Paths of texts that are names.
+/// Paths of text data sets that contain names of people.
 constexpr std::array name_columns{"inputs/commands/sender", "annotations/sender", "ratings/rater"};
 
-/// Who wrote an event: the text before this.
+/// The text before one of these is the author of an event.
 constexpr std::array after_author{": ", " points at ", " draws on ", " wipes all marks away"};
 
 std::string author_of(const EventRecord& event) {
@@ -37,7 +37,7 @@ std::string author_of(const EventRecord& event) {
     return end == std::string::npos ? std::string() : event.text.substr(0, end);
 }
 
-/// Names and what stands for them, in the order in which they appear.
+/// Names and their replacements, in order of appearance.
 class People {
   public:
     void add(const std::string& name) {
@@ -50,7 +50,7 @@ class People {
         return found == words_.end() ? std::string() : found->second;
     }
     [[nodiscard]] std::size_t count() const { return words_.size(); }
-    /// A text without these names. Shorter ones than three letters could be parts of words.
+    /// `text` without these names. Names shorter than three letters could be parts of words.
     [[nodiscard]] std::string without(std::string text) const {
         std::vector<std::string> names;
         for (const auto& [name, word] : words_) {
@@ -78,7 +78,7 @@ class People {
 std::vector<std::string> anonymise(const std::filesystem::path& from, const std::filesystem::path& to,
                                    const std::string& participant) {
     const SessionReader reader(from);
-    if (reader.live()) {
+    if (reader.is_being_recorded()) {
         throw hdf5::Error(
             fmt::format("{}: a running program is recording into this file; expected is a finished one: end "
                         "the session first",
@@ -99,7 +99,7 @@ std::vector<std::string> anonymise(const std::filesystem::path& from, const std:
     for (const Rating& rating : read_ratings(reader.root())) {
         people.add(rating.rater);
     }
-    People own = people;  // where the participant is named in a text
+    People own = people;  // occurrences of the participant in a text
     if (const auto found = info.more.find(participant_text); found != info.more.end()) {
         own.add(found->second);
     }
@@ -124,7 +124,7 @@ std::vector<std::string> anonymise(const std::filesystem::path& from, const std:
             return people.of(std::string(text));
         }
         if (path == "events/text" && row < events.size()) {
-            // A name of two letters is replaced where it stands as the author's.
+            // A two-letter name is replaced only where it is the author.
             const std::string author = author_of(events[row]);
             std::string out = own.without(std::string(text.substr(author.size())));
             return author.empty() ? out : people.of(author) + out;
@@ -134,7 +134,7 @@ std::vector<std::string> anonymise(const std::filesystem::path& from, const std:
         }
         return std::nullopt;
     };
-    UnfinishedFile unfinished(to);
+    AtomicFileWriter unfinished(to);
     hdf5::File file = hdf5::File::create(unfinished.path());
     hdf5::copy_members(reader.root(), file.root(), rules);
     if (!participant.empty()) {

@@ -8,7 +8,7 @@
 namespace eti::session {
 
 void Cell<std::vector<Vec3f>>::pack(const std::vector<Vec3f>& value, std::size_t width, std::byte* row) {
-    const Vec3f missing = Vec3f::Constant(no_number);
+    const Vec3f missing = Vec3f::Constant(missing_number);
     for (std::size_t i = 0; i < width; ++i) {
         Cell<Vec3f>::pack(i < value.size() ? value[i] : missing, 0, row + i * Cell<Vec3f>::bytes(0));
     }
@@ -22,7 +22,7 @@ void Cell<std::vector<Vec3f>>::unpack(const std::byte* row, std::size_t width, s
 }
 
 void Cell<std::string>::pack(const std::string& value, std::size_t width, std::byte* row) {
-    const std::size_t size = whole_characters(value, width);
+    const std::size_t size = utf8_prefix_length(value, width);
     std::memcpy(row, value.data(), size);
     std::memset(row + size, 0, width - size);
 }

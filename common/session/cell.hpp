@@ -19,9 +19,9 @@ template <class T>
     return {H5Tcopy(hdf5::number_type<T>()), H5Tclose};
 }
 
-/// How a field of a record lies in one row of its data set: element type, extents behind the row's
-/// index, and conversion both ways. `width` matters to fields of variable size only: bytes of a text,
-/// points of a line.
+/// Maps a field of a record to one row of its data set: element type, extents behind the row's index, and
+/// conversion in both directions. `width` is used for fields of variable size only: bytes of a text, points
+/// of a line.
 template <class T>
 struct Cell {
     static_assert(std::is_arithmetic_v<T>);
@@ -53,7 +53,7 @@ struct Cell<std::array<T, N>> {
     }
 };
 
-/// Measures: floating-point numbers and arrays of them. One may be newer than a file.
+/// Measured values: floating-point numbers and arrays of them. Older files may lack some.
 template <class T>
 inline constexpr bool is_measure = std::is_floating_point_v<T>;
 template <class T, std::size_t N>
@@ -115,7 +115,7 @@ struct Cell<RigidTransform> {
     }
 };
 
-/// `width` points; a shorter line is filled up with NaN, a longer one cut.
+/// `width` points; a shorter line is padded with NaN, a longer one truncated.
 template <>
 struct Cell<std::vector<Vec3f>> {
     static hdf5::Handle type(std::size_t) { return number<float>(); }
@@ -125,7 +125,7 @@ struct Cell<std::vector<Vec3f>> {
     static void unpack(const std::byte* row, std::size_t width, std::vector<Vec3f>& value);
 };
 
-/// At most `width` bytes of UTF-8, padded with nulls; a longer text is cut between two characters.
+/// At most `width` bytes of UTF-8, null-padded; a longer text is truncated between two characters.
 template <>
 struct Cell<std::string> {
     static hdf5::Handle type(std::size_t width) { return hdf5::fixed_text_type(width); }

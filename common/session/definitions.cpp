@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "common/model/parameters.hpp"
+#include "common/model/attempt_metrics.hpp"
 #include "common/model/thresholds.hpp"
 
 namespace eti::session {
@@ -69,13 +69,13 @@ template <class Row, std::size_t N>
 
 }  // namespace
 
-Definitions definitions_here(double time_limit) {
+Definitions current_definitions(double time_limit) {
     Definitions here;
     here.version = definitions_version;
-    for (const ParameterField& field : parameter_fields) {
-        here.parameters.push_back({std::string(field.key), std::string(field.unit),
-                                   std::string(words_of(field.combine)), std::string(field.definition),
-                                   std::string(field.norm)});
+    for (const MetricField& field : metric_fields) {
+        here.metrics.push_back({std::string(field.key), std::string(field.unit),
+                                std::string(describe(field.combine)), std::string(field.definition),
+                                std::string(field.norm)});
     }
     for (const Threshold& threshold : thresholds) {
         here.thresholds.push_back({std::string(threshold.name), threshold.value, std::string(threshold.unit),
@@ -92,7 +92,7 @@ void write_definitions(const Group& scene, const Definitions& definitions) {
     }
     const Group group = scene.create(definitions_group);
     group.set_integer("version", definitions.version);
-    write_columns(group.create("parameters"), definitions.parameters, words_columns);
+    write_columns(group.create("parameters"), definitions.metrics, words_columns);
     const Group numbers = group.create("thresholds");
     write_columns(numbers, definitions.thresholds, number_columns);
     std::vector<double> values;
@@ -109,7 +109,7 @@ Definitions read_definitions(const Group& scene) {
     }
     const Group group = scene.open(definitions_group);
     definitions.version = group.integer("version");
-    definitions.parameters = read_columns(group.open("parameters"), words_columns);
+    definitions.metrics = read_columns(group.open("parameters"), words_columns);
     const Group numbers = group.open("thresholds");
     definitions.thresholds = read_columns(numbers, number_columns);
     const std::vector<double> values = numbers.read<double>("value", {definitions.thresholds.size()}).values;

@@ -7,12 +7,12 @@
 
 namespace eti::session {
 
-/// Those of this program. `time_limit` [s]: of the scenario, for an attempt.
-[[nodiscard]] Definitions definitions_here(double time_limit);
+/// The definitions of this program. `time_limit` [s]: the scenario's limit per attempt.
+[[nodiscard]] Definitions current_definitions(double time_limit);
 
 /// Throws hdf5::Error.
 void write_definitions(const hdf5::Group& scene, const Definitions& definitions);
-/// Version 0 and nothing else where the file has none. Throws hdf5::Error.
+/// Version 0 and nothing else if the file has none. Throws hdf5::Error.
 [[nodiscard]] Definitions read_definitions(const hdf5::Group& scene);
 
 }  // namespace eti::session

@@ -6,17 +6,18 @@
 #include <vector>
 
 #include "common/hdf5/group.hpp"
-#include "common/model/live.hpp"
+#include "common/model/runtime_parameters.hpp"
 #include "common/session/record.hpp"
 
-// Which field of which record lies in which data set. Writer and reader both walk these lists, so a
-// field is added in one place. `column(path, label, field, width)` is called once per data set;
-// `field(record)` returns a reference to the field, `width` see Cell.
+// Maps fields of records to data sets. Writer and reader both iterate over these lists, so a field is added
+// in one place. `column(path, label, field, width)` is called once per data set; `field(record)` returns a
+// reference to the field; for `width` see Cell.
 
 namespace eti::session {
 
 inline constexpr std::string_view file_kind = "NeoETI session";
-/// Raised when a reader of the older layout would misread the newer one; added data sets do not count.
+/// Incremented when a reader of the older layout would misread the newer one; added data sets need no
+/// increment.
 inline constexpr std::uint64_t schema = 1;
 
 inline constexpr std::size_t kind_bytes = 32;
@@ -24,20 +25,21 @@ inline constexpr std::size_t sender_bytes = 48;
 inline constexpr std::size_t text_bytes = 256;
 inline constexpr std::size_t hash_bytes = 16;
 
-// Rows per chunk: half a second of steps. Full chunks go to their series at once; until then the rows are in
-// the tail (tail.hpp), whose halves hold more than a chunk of each. A chunk of more than a page of the file
-// begins on a page of its own: of 1024 frames, pages took half as much again as what was in them.
+// Rows per chunk: half a second of steps. Full chunks are written to their series at once; until then the
+// rows are in the tail (tail.hpp), each half of which holds more than a chunk of each. A chunk of more than
+// one page of the file starts on its own page: with chunks of 1024 frames, pages took half as much again as
+// their contents.
 inline constexpr std::size_t step_chunk = 90;
 inline constexpr std::size_t moved_frame_chunk = 4096;
 inline constexpr std::size_t fluid_chunk = 8192;
 inline constexpr std::size_t small_chunk = 16;
 
-/// Groups of the step series; each shows the common time axis as `time_ns`.
+/// Groups of the step series; each links to the common time axis as `time_ns`.
 inline constexpr std::string_view step_groups[] = {"inputs",   "tools",  "contacts",
                                                    "skeleton", "tissue", "metrics"};
 
 /// "gum_force_n.max" -> "gum_force_n/max".
-[[nodiscard]] inline std::string path_of(const ParameterField& field) {
+[[nodiscard]] inline std::string path_of(const MetricField& field) {
     std::string path(field.key);
     for (char& c : path) {
         c = c == '.' ? '/' : c;
@@ -46,29 +48,29 @@ inline constexpr std::string_view step_groups[] = {"inputs",   "tools",  "contac
 }
 
 template <class Column>
-void parameter_columns(const std::string& group, const Column& column) {
-    for (const ParameterField& field : parameter_fields) {
+void metric_columns(const std::string& group, const Column& column) {
+    for (const MetricField& field : metric_fields) {
         const std::string description(field.label);
         column(
             group + "/" + path_of(field), hdf5::Label{field.unit.empty() ? "1" : field.unit, description},
-            [value = field.value](auto& record) -> auto& { return record.parameters.*value; }, 0);
+            [value = field.value](auto& record) -> auto& { return record.metrics.*value; }, 0);
     }
 }
 
-/// What lists of columns are written with: path, units, description, the field of a row, and its width where
-/// that is not the type's own. `column` has to outlive it.
+/// Arguments of the column lists: path, units, description, the field of a row, and its width where the type
+/// does not give it. `column` must outlive it.
 template <class Column>
-auto adding(const Column& column) {
+auto column_adder(const Column& column) {
     return [&column](const char* path, const char* units, const char* description, auto field,
                      std::size_t width = 0) {
         column(path, hdf5::Label{units, description}, field, width);
     };
 }
 
-/// `tube_nodes`: points of the tube's centre line.
+/// `tube_nodes`: number of points of the tube's centre line.
 template <class Column>
 void step_columns(std::size_t tube_nodes, const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "inputs/time_ns", "ns", "simulation time since the session began; the row's step in all step series",
         [](auto& r) -> auto& { return r.time_ns; });
@@ -126,10 +128,10 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "NaN without contact",
         [](auto& r) -> auto& { return r.loads.place; });
 
-    for (const LiveField& field : live_fields) {
+    for (const RuntimeParameterField& field : runtime_parameter_fields) {
         column(
             std::string(field.group) + "/" + std::string(field.name), hdf5::Label{field.si, field.help},
-            [value = field.value](auto& r) -> auto& { return r.live.*value; }, std::size_t{0});
+            [value = field.value](auto& r) -> auto& { return r.runtime_parameters.*value; }, std::size_t{0});
     }
 
     add(
@@ -173,12 +175,12 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     add(
         "metrics/heart_rate_now", "1/min", "heart rate now; NaN where it is not simulated",
         [](auto& r) -> auto& { return r.heart_rate; });
-    parameter_columns("metrics", column);
+    metric_columns("metrics", column);
 }
 
 template <class Column>
 void command_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "inputs/commands/time_ns", "ns", "simulation time at which the command was latched",
         [](auto& r) -> auto& { return r.time_ns; });
@@ -199,7 +201,7 @@ void command_columns(const Column& column) {
 
 template <class Column>
 void state_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "state/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -211,7 +213,7 @@ void state_columns(const Column& column) {
         [](auto& r) -> auto& { return r.hash; }, hash_bytes);
 }
 
-/// One row per record of the deformation: which rows of the moved frames belong to it.
+/// One row per record of the deformation: the range of its rows among the moved frames.
 struct MovedFrames {
     std::uint64_t time_ns = 0;
     std::uint64_t first_row = 0;
@@ -220,7 +222,7 @@ struct MovedFrames {
 
 template <class Column>
 void moved_frames_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "deformation/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -240,7 +242,7 @@ struct MovedFrame {
 
 template <class Column>
 void moved_frame_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "deformation/frame", "1", "index of the frame in scene/frame_rest_centre",
         [](auto& r) -> auto& { return r.frame; });
@@ -253,7 +255,7 @@ void moved_frame_columns(const Column& column) {
         [](auto& r) -> auto& { return r.pose.centre; });
 }
 
-/// One row per record of the liquid: which rows of its positions belong to it.
+/// One row per record of the liquid: the range of its rows among the positions.
 struct FluidRows {
     std::uint64_t time_ns = 0;
     std::uint64_t first_row = 0;
@@ -262,7 +264,7 @@ struct FluidRows {
 
 template <class Column>
 void fluid_rows_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "fluid/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -287,7 +289,7 @@ void fluid_columns(const Column& column) {
 
 template <class Column>
 void event_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "events/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -296,7 +298,7 @@ void event_columns(const Column& column) {
         "events/text", "1", "what happened", [](auto& r) -> auto& { return r.text; }, text_bytes);
 }
 
-/// One row per annotation on a surface: which rows of its places belong to it.
+/// One row per annotation on a surface: the range of its rows among the places.
 struct AnnotationRows {
     std::uint64_t time_ns = 0;
     std::string kind, sender, text, object;
@@ -306,7 +308,7 @@ struct AnnotationRows {
 
 template <class Column>
 void annotation_rows_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "annotations/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
@@ -336,7 +338,7 @@ struct AnnotationPlace {
 
 template <class Column>
 void annotation_place_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "annotations/triangle", "1", "triangle a b c of the object, with which the place goes",
         [](auto& r) -> auto& { return r.triangle; });
@@ -351,7 +353,7 @@ void annotation_place_columns(const Column& column) {
 
 template <class Column>
 void summary_columns(const Column& column) {
-    const auto add = adding(column);
+    const auto add = column_adder(column);
     add(
         "summary/attempt", "1",
         "number of the attempt, 0 for the whole run; a later row replaces an earlier one",
@@ -367,7 +369,7 @@ void summary_columns(const Column& column) {
         [](auto& r) -> auto& { return r.began; });
     add(
         "summary/ended", "s", "simulation time at which it ended", [](auto& r) -> auto& { return r.ended; });
-    parameter_columns("summary", column);
+    metric_columns("summary", column);
 }
 
 }  // namespace eti::session

@@ -9,10 +9,10 @@
 #include <functional>
 
 #include "common/hdf5/file.hpp"
-#include "common/process/unfinished_file.hpp"
-#include "common/session/liveness.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
 #include "common/session/reader.hpp"
-#include "common/session/superblock.hpp"
+#include "common/session/repair/recording_lock.hpp"
+#include "common/session/repair/superblock.hpp"
 
 namespace eti::session {
 
@@ -29,7 +29,7 @@ std::vector<std::string> texts_of(const std::vector<Record>& records, Field fiel
     return texts;
 }
 
-/// Texts of a group, each as long as the first list.
+/// Text columns of a group, all as long as the first.
 class Columns {
   public:
     Columns(const Group& group, const char* first) : group_(group), rows_(group.read_texts(first).size()) {}
@@ -72,7 +72,7 @@ void write_answers(const Group& root, const std::vector<Answer>& answers) {
 
 void require_amendable(const std::filesystem::path& file) {
     const SessionReader reader(file);
-    if (reader.live()) {
+    if (reader.is_being_recorded()) {
         throw hdf5::Error(
             fmt::format("{}: a running program is recording into this file; expected is a finished one: end "
                         "the session first",
@@ -88,10 +88,10 @@ void require_amendable(const std::filesystem::path& file) {
     }
 }
 
-/// Changes a copy, which takes the file's place when it is whole.
+/// Changes a copy, which replaces the file when it is complete.
 void amend(const std::filesystem::path& file, const std::function<void(const Group& root)>& change) {
     require_amendable(file);
-    UnfinishedFile copy(file);
+    AtomicFileWriter copy(file);
     try {
         std::filesystem::copy_file(file, copy.path());
         hdf5::File open = hdf5::File::open(copy.path(), hdf5::Access::modify, file);
@@ -112,7 +112,7 @@ void remove_group(const Group& root, const char* name) {
     }
 }
 
-/// Newer records replace those of which `same` holds.
+/// Newer records replace those for which `same` is true.
 template <class Record, class Same>
 std::vector<Record> merged(std::vector<Record> records, const std::vector<Record>& newer, const Same& same) {
     for (const Record& one : newer) {

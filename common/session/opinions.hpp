@@ -10,7 +10,7 @@
 
 #include "common/hdf5/group.hpp"
 
-// What people say of a session after it: groups `ratings` and `answers` of its file.
+// Ratings and questionnaires after a session: groups `ratings` and `answers` of its file.
 
 namespace eti::session {
 
@@ -26,23 +26,22 @@ struct Rating {
     std::string given;       ///< UTC, ISO 8601; empty when anonymised
 };
 
-/// What the participant answered to one question.
+/// A participant's answer to one question.
 struct Answer {
     std::string form, question;  ///< names
-    std::string text;            ///< the question as it was asked
-    std::string answer;          ///< a score as its digit, "yes" or "no", or words
+    std::string text;            ///< the question as asked
+    std::string answer;          ///< a score as its digit, "yes" or "no", or free text
     std::string given;
 };
 
-/// Empty for a file that holds none. Throws hdf5::Error.
+/// Empty for a file without them. Throws hdf5::Error.
 [[nodiscard]] std::vector<Rating> read_ratings(const hdf5::Group& root);
 [[nodiscard]] std::vector<Answer> read_answers(const hdf5::Group& root);
 
-/// Puts ratings into a session file; one of the same rater and item replaces what was there. The file is
-/// replaced as a whole, so that a kill leaves it as it was. Refuses one that is being recorded or wants
-/// repair. Throws hdf5::Error.
+/// Adds ratings to a session file; a rating by the same rater of the same item replaces the old one. The file
+/// is replaced atomically. Rejects a file that is being recorded or needs repair. Throws hdf5::Error.
 void add_ratings(const std::filesystem::path& file, const std::vector<Rating>& ratings);
-/// The same; an answer replaces that to the same question of the same form.
+/// The same for answers; one replaces an older answer to the same question of the same form.
 void add_answers(const std::filesystem::path& file, const std::vector<Answer>& answers);
 
 /// The current time, UTC, ISO 8601.

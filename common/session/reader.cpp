@@ -12,13 +12,13 @@
 #include <limits>
 #include <map>
 
-#include "common/process/descriptor.hpp"
+#include "common/process/files/descriptor.hpp"
 #include "common/session/layout.hpp"
-#include "common/session/liveness.hpp"
+#include "common/session/repair/recording_lock.hpp"
+#include "common/session/repair/superblock.hpp"
+#include "common/session/repair/tail.hpp"
 #include "common/session/rows.hpp"
 #include "common/session/scene_file.hpp"
-#include "common/session/superblock.hpp"
-#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -29,11 +29,10 @@ using hdf5::Group;
 constexpr const char* time_axis = "/time_ns";
 
 hdf5::File open_session(const std::filesystem::path& path, bool live) {
-    // What is no file at all, no repair helps.
-    hdf5::require_plain_file(path);
+    // Repair cannot help a path that is not a regular file.
+    hdf5::require_regular_file(path);
     try {
-        return hdf5::File::open(path,
-                                live ? hdf5::Access::read_beside_writer : hdf5::Access::read_left_behind);
+        return hdf5::File::open(path, live ? hdf5::Access::read_swmr : hdf5::Access::read_orphaned);
     } catch (const hdf5::Error& error) {
         throw hdf5::Error(fmt::format(
             "{}. If it is a session file, it is damaged or its recording ended before it had begun; try: "
@@ -42,7 +41,7 @@ hdf5::File open_session(const std::filesystem::path& path, bool live) {
     }
 }
 
-/// A copy for as long as it is read.
+/// A temporary copy for the duration of the reading.
 class PassingCopy {
   public:
     explicit PassingCopy(const std::filesystem::path& of)
@@ -87,7 +86,7 @@ void find_data_sets(const Group& root, const std::string& prefix, bool with_subg
     for (const std::string& name : root.open(prefix).members()) {
         const std::string path = prefix + "/" + name;
         if (root.is_group(path)) {
-            // A group with a time axis of its own is another table.
+            // A group with its own time axis is another table.
             if (with_subgroups && !root.has(path + time_axis)) {
                 find_data_sets(root, path, true, found);
             }
@@ -123,28 +122,28 @@ std::size_t Series::rows() const {
 }
 
 SessionReader::SessionReader(const std::filesystem::path& path)
-    : live_(being_written(path)), file_(open_session(path, live_)) {
+    : being_recorded_(is_being_written(path)), file_(open_session(path, being_recorded_)) {
     require_session(file_.root(), path);
     const Group meta = file_.root().open("meta");
     info_ = read_info(meta);
     finished_ = meta.integer("finished") != 0;
     lost_ = meta.integer("lost_records");
-    if (!live_ && !finished_ && file_.root().has("tail")) {
-        take_in_tail(path);
+    if (!being_recorded_ && !finished_ && file_.root().has("tail")) {
+        merge_tail(path);
     }
 }
 
-void SessionReader::take_in_tail(const std::filesystem::path& path) {
+void SessionReader::merge_tail(const std::filesystem::path& path) {
     try {
         const PassingCopy copy(path);
-        if (!mend_superblock(copy.path())) {
+        if (!repair_superblock(copy.path())) {
             return;
         }
-        const std::size_t rows = session::take_in_tail(copy.path());
+        const std::size_t rows = session::merge_tail(copy.path());
         file_ = hdf5::File::open(copy.path(), hdf5::Access::read, path);
         rows_in_tail_ = rows;
     } catch (const hdf5::Error&) {
-        // What is damaged is read without its tail.
+        // A damaged file is read without its tail.
     } catch (const std::filesystem::filesystem_error& error) {
         throw hdf5::Error(
             fmt::format("{}: its newest rows are read from a copy, which cannot be made: {}. Remedy: make "

@@ -23,12 +23,12 @@ struct Series {
     [[nodiscard]] std::size_t rows() const;
 };
 
-/// Reads a session file: finished, still being recorded (what is on disk by now), or left behind by a
-/// killed program. Changes nothing: of what a killed program left in the tail it makes a copy, while it opens
-/// the file. Data sets of unequal length, as a killed writer leaves them, are
-/// read up to the last row that all have. All functions throw hdf5::Error.
+/// Reads a session file: finished, still being recorded (what is on disk so far), or left by a killed
+/// program. Never changes the file: to read a killed program's tail, it makes a copy while it opens the file.
+/// Data sets of unequal length, as a killed writer leaves them, are read up to the last row that all have.
+/// All functions throw hdf5::Error.
 ///
-/// The HDF5 library itself may crash on a hostile file: read files of unknown origin in run_guarded().
+/// The HDF5 library may crash on a hostile file: read files of unknown origin in run_guarded().
 class SessionReader {
   public:
     explicit SessionReader(const std::filesystem::path& path);
@@ -36,8 +36,10 @@ class SessionReader {
 
     [[nodiscard]] const SessionInfo& info() const { return info_; }
     [[nodiscard]] bool finished() const { return finished_; }  ///< closed in order
-    [[nodiscard]] bool live() const { return live_; }          ///< being recorded by a running program
-    /// Rows that only the tail of a killed program's file holds.
+    [[nodiscard]] bool is_being_recorded() const {
+        return being_recorded_;
+    }  ///< being recorded by a running program
+    /// Number of rows that only the tail of a killed program's file contains.
     [[nodiscard]] std::size_t rows_in_tail() const { return rows_in_tail_; }
     [[nodiscard]] std::uint64_t lost_records() const { return lost_; }
     /// Time of the last step [s].
@@ -46,25 +48,25 @@ class SessionReader {
     [[nodiscard]] SceneRecord scene() const;
     [[nodiscard]] std::vector<StepRecord> steps() const;
     [[nodiscard]] std::vector<CommandRecord> commands() const;
-    /// Empty for files older than these.
+    /// Empty for a file older than these records.
     [[nodiscard]] std::vector<StateRecord> states() const;
     [[nodiscard]] std::vector<DeformationRecord> deformations() const;
     /// Empty for a session without secretions.
     [[nodiscard]] std::vector<FluidRecord> fluids() const;
     [[nodiscard]] std::vector<EventRecord> events() const;
-    /// Empty for a file of a program that knew none.
+    /// Empty for a file of a program without annotations.
     [[nodiscard]] std::vector<AnnotationRecord> annotations() const;
-    /// The last record of each attempt, ordered by attempt; attempt 0, the whole run, first if it is there.
+    /// The last record of each attempt, ordered by attempt; attempt 0, the whole run, comes first if present.
     [[nodiscard]] std::vector<SummaryRecord> summaries() const;
 
-    /// Every data set of a group and its subgroups that has a row per entry of the group's time axis (per
-    /// attempt, in the summary), cut to their common length; the time axis first.
+    /// Every data set of a group and its subgroups with one row per entry of the group's time axis (per
+    /// attempt, in the summary), truncated to their common length; the time axis first.
     [[nodiscard]] std::vector<Series> series(const std::string& group) const;
 
   private:
-    void take_in_tail(const std::filesystem::path& path);
+    void merge_tail(const std::filesystem::path& path);
 
-    bool live_ = false;
+    bool being_recorded_ = false;
     hdf5::File file_;
     std::size_t rows_in_tail_ = 0;
     SessionInfo info_;

@@ -28,8 +28,8 @@ Opened open(const hdf5::Group& root, const std::string& path) {
     }
     opened.extent.resize(static_cast<std::size_t>(rank));
     H5Sget_simple_extent_dims(space.get(), opened.extent.data(), nullptr);
-    // Bounds what a damaged extent can make us ask for.
-    std::size_t left = hdf5::largest_read_bytes / std::max<std::size_t>(H5Tget_size(opened.type.get()), 1);
+    // Bounds the memory that a damaged extent can request.
+    std::size_t left = hdf5::max_read_bytes / std::max<std::size_t>(H5Tget_size(opened.type.get()), 1);
     for (const hsize_t extent : opened.extent) {
         if (extent > left) {
             throw hdf5::Error(fmt::format(
@@ -53,8 +53,8 @@ bool read(const Opened& opened, hid_t type, std::size_t first, std::size_t rows,
                0;
 }
 
-/// Whether the chunk that begins at row `first` is there. The library reads a missing one as zeros; our
-/// writer writes every chunk.
+/// Whether the chunk that begins at row `first` exists. The library reads a missing one as zeros; this
+/// project's writer writes every chunk.
 bool has_chunk(const Opened& opened, std::size_t first) {
     std::vector<hsize_t> offset(opened.extent.size(), 0);
     offset[0] = first;
@@ -83,10 +83,10 @@ std::size_t chunk_rows(const Opened& opened) {
     return std::max<std::size_t>(chunk[0], 1);
 }
 
-/// A stated length may be damaged, too: so many chunks in a row are missing in no file of ours.
-constexpr std::size_t most_missing_chunks = 20'000;
+/// A stated length may be damaged, too: no file of ours lacks this many consecutive chunks.
+constexpr std::size_t max_missing_chunks = 20'000;
 
-/// Stops at the first damaged chunk where nothing else is asked for.
+/// Stops at the first damaged chunk if `until_first` is set.
 Condition condition_of(const Opened& opened, bool until_first) {
     Condition condition{
         true, opened.extent[0], hdf5::Shape(opened.extent.begin() + 1, opened.extent.end()), {}};
@@ -105,7 +105,7 @@ Condition condition_of(const Opened& opened, bool until_first) {
         if (until_first) {
             break;
         }
-        if (condition.lost.back().count > most_missing_chunks * step) {
+        if (condition.lost.back().count > max_missing_chunks * step) {
             condition.lost.back().count = rows - condition.lost.back().first;
             break;
         }
@@ -142,7 +142,7 @@ RowsEnd rows_end(const hdf5::Group& root, const std::string& path) {
     const std::size_t stated = opened.extent[0], step = chunk_rows(opened);
     const hdf5::Shape row_shape(opened.extent.begin() + 1, opened.extent.end());
     std::vector<std::byte> buffer(std::min(step, stated) * row_bytes(opened));
-    // A kill spoils the last chunk, or what was its beginning before it.
+    // A kill damages at most the last chunk and the one before it.
     constexpr std::size_t most_spoilt = 2;
     std::size_t end = stated;
     for (std::size_t i = 0; i <= most_spoilt && end > 0; ++i) {
@@ -225,7 +225,7 @@ std::vector<double> read_as_doubles(const hdf5::Group& root, const std::string& 
 }
 
 std::string text_of(const hdf5::Group& root, const std::string& path, const char* attribute_name) {
-    // Attributes are read through a group; a data set has them too.
+    // Attributes are read through a group; this data set has them too.
     const hdf5::Handle data_set(H5Oopen(root.id(), path.c_str(), H5P_DEFAULT), H5Oclose);
     const hdf5::Handle attribute(data_set ? H5Aopen(data_set.get(), attribute_name, H5P_DEFAULT) : -1,
                                  H5Aclose);
@@ -259,7 +259,7 @@ std::optional<std::string> write_rows(hid_t data_set, hid_t type, const hdf5::Sh
     if (H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
             0 ||
         H5Dwrite(data_set, type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) < 0) {
-        return hdf5::last_error();  // which closing the spaces would forget
+        return hdf5::last_error();  // closing the spaces would clear it
     }
     return std::nullopt;
 }

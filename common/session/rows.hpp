@@ -14,8 +14,8 @@
 
 namespace eti::session {
 
-/// Rows of a data set that can be read from the start on: all of them, or those before the first
-/// damaged chunk. Throws hdf5::Error where `path` is no data set.
+/// Number of rows readable from the start: all, or those before the first damaged chunk. Throws hdf5::Error
+/// if `path` is not a data set.
 [[nodiscard]] std::size_t readable_rows(const hdf5::Group& root, const std::string& path);
 
 /// Rows `first` to `first + count - 1` of a data set.
@@ -26,36 +26,36 @@ struct RowRange {
 /// How much of a data set can be read.
 struct Condition {
     bool there = false;          ///< the data set can be opened
-    std::size_t stated = 0;      ///< rows that it says it has
+    std::size_t stated = 0;      ///< number of rows as stated
     hdf5::Shape row_shape;       ///< extents behind the row's index
-    std::vector<RowRange> lost;  ///< of those, the rows of chunks that cannot be read, in order
+    std::vector<RowRange> lost;  ///< of those, the rows of unreadable chunks, in order
     [[nodiscard]] bool whole() const { return there && lost.empty(); }
     [[nodiscard]] std::size_t prefix() const { return lost.empty() ? stated : lost.front().first; }
     /// One past the last row that can be read.
     [[nodiscard]] std::size_t end() const;
 };
 
-/// Where a data set ends that a killed writer left.
+/// End of a data set that a killed writer left.
 struct RowsEnd {
-    std::size_t end = 0;  ///< one past the last row that can be read, if that is near its stated end
+    std::size_t end = 0;  ///< one past the last readable row, if that is near its stated end
     hdf5::Shape row_shape;
 };
 
-/// Looks at the last chunks alone. Throws hdf5::Error where `path` is no data set.
+/// Examines the last chunks only. Throws hdf5::Error if `path` is not a data set.
 [[nodiscard]] RowsEnd rows_end(const hdf5::Group& root, const std::string& path);
 
-/// Gives a series so many rows; false as the library fails.
+/// Resizes a series to `rows`; false if the library fails.
 [[nodiscard]] bool set_rows(hid_t data_set, const hdf5::Shape& row_shape, std::size_t rows);
 
-/// Writes rows of a series, of which each has `row_shape`. Nothing on success, else why not.
+/// Writes rows of a series, each of shape `row_shape`. Nullopt on success, else the reason.
 [[nodiscard]] std::optional<std::string> write_rows(hid_t data_set, hid_t type, const hdf5::Shape& row_shape,
                                                     std::size_t first, std::size_t rows, const void* values);
 
-/// Reads a data set chunk by chunk. Does not throw: a data set that cannot be opened is not there.
+/// Reads a data set chunk by chunk. Never throws: a data set that cannot be opened counts as missing.
 [[nodiscard]] Condition examine(const hdf5::Group& root, const std::string& path);
 
-/// The first `rows` rows as memory image of `type`, as far as they can be read; `fill` makes up each of the
-/// others. Throws hdf5::Error if the rows have another shape.
+/// The first `rows` rows as memory image of `type`, as far as they can be read; `fill` supplies the others.
+/// Throws hdf5::Error if the rows have another shape.
 [[nodiscard]] std::vector<std::byte> salvage(const hdf5::Group& root, const std::string& path, hid_t type,
                                              const hdf5::Shape& row_shape, std::size_t rows,
                                              const Condition& condition, std::span<const std::byte> fill);
@@ -64,7 +64,7 @@ struct RowsEnd {
 [[nodiscard]] std::vector<std::byte> read_rows_as(const hdf5::Group& root, const std::string& path,
                                                   hid_t type, const hdf5::Shape& row_shape, std::size_t rows);
 
-/// The first `rows` rows of a data set of any kind of number. Throws hdf5::Error.
+/// The first `rows` rows of a numeric data set. Throws hdf5::Error.
 [[nodiscard]] std::vector<double> read_as_doubles(const hdf5::Group& root, const std::string& path,
                                                   std::size_t rows);
 
@@ -81,13 +81,13 @@ void set_missing(T& value) {
     }
 }
 
-/// Reads the records of a list in layout.hpp, as many as all its data sets have.
+/// Reads the records of a list in layout.hpp, up to the common length of its data sets.
 template <class Record, class Visit>
 [[nodiscard]] std::vector<Record> read_records(const hdf5::Group& root, const Visit& visit) {
     std::size_t rows = std::numeric_limits<std::size_t>::max();
     visit([&](const std::string& path, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
-        // A measure may be newer than the file; everything else is needed.
+        // A measured value may be newer than the file; everything else is required.
         if (!is_measure<Field> || root.has(path)) {
             rows = std::min(rows, readable_rows(root, path));
         }

@@ -67,10 +67,10 @@ std::vector<PointRecord> read_points(const Group& group, std::size_t frames, boo
     return points;
 }
 
-/// NaN where an older file does not say it.
+/// NaN if an older file lacks it.
 float number_if_there(const Group& group, const char* attribute) {
     return std::ranges::count(group.attributes(), attribute) > 0 ? static_cast<float>(group.number(attribute))
-                                                                 : no_number;
+                                                                 : missing_number;
 }
 
 constexpr const char* start_pose = "start_pose";
@@ -84,10 +84,10 @@ void write_start(const Group& group, const RigidTransform& pose) {
                         "patient frame"});
 }
 
-/// Not in every file.
+/// Missing in older files.
 RigidTransform read_start(const Group& group) {
     if (!group.has(start_pose)) {
-        return no_pose();
+        return missing_pose();
     }
     const auto numbers = group.read<float>(start_pose, {7}).values;
     RigidTransform pose;
@@ -97,8 +97,8 @@ RigidTransform read_start(const Group& group) {
 
 }  // namespace
 
-void write_head(const Group& root, const SessionInfo& info, const SceneRecord& scene,
-                std::uint64_t lost_records) {
+void write_header(const Group& root, const SessionInfo& info, const SceneRecord& scene,
+                  std::uint64_t lost_records) {
     root.set_text("kind", file_kind);
     root.set_integer("schema", schema);
     const Group meta = root.create("meta");

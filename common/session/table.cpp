@@ -13,7 +13,7 @@ namespace eti::session {
 
 namespace {
 
-/// On a recorded session level 4 saves 2-3 % against level 1 and level 9 3-4 %, at 1.3 and up to 7 times the
+/// On a recorded session level 4 saves 2-3 % over level 1 and level 9 3-4 %, at 1.3 and up to 7 times the
 /// cost.
 constexpr unsigned deflate_level = 1;
 
@@ -35,7 +35,7 @@ void Table::create_column(const hdf5::Group& root, const std::string& path, hid_
     H5Pset_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data());
     H5Pset_shuffle(creation.get());
     H5Pset_deflate(creation.get(), deflate_level);
-    H5Pset_fletcher32(creation.get());  // what a disk has changed is told, not read
+    H5Pset_fletcher32(creation.get());  // corruption on the disk is reported instead of read
     const hdf5::Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
     H5Pset_create_intermediate_group(links.get(), 1);
     const hdf5::Handle data_set(
@@ -49,9 +49,9 @@ void Table::create_column(const hdf5::Group& root, const std::string& path, hid_
 }
 
 void Table::open(const hdf5::Group& root) {
-    // Without a chunk cache rows go to disk when they are written, not at the next flush. A full disk
-    // then shows before the data set's new length is on disk: a flush goes on after a failure, and would
-    // leave a length that counts rows which were never written.
+    // Without a chunk cache, rows reach the disk when written, not at the next flush. A full disk then shows
+    // before the data set's new length is on disk. A flush continues after a failure and would store a length
+    // that includes rows never written.
     const hdf5::Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
     H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
     for (Column& column : columns_) {

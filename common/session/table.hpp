@@ -12,19 +12,19 @@
 
 namespace eti::session {
 
-/// Data sets that grow together, one row of each per record. Rows gather in memory until a chunk is
-/// full: a compressed chunk that is written twice leaves its first place in the file unused.
+/// Data sets that grow together, one row of each per record. Rows collect in memory until a chunk is full:
+/// rewriting a compressed chunk wastes its first location in the file.
 class Table {
   public:
     explicit Table(std::size_t chunk_rows) : chunk_rows_(chunk_rows) {}
 
-    /// While the file is made. Throws hdf5::Error.
+    /// Call while the file is created. Throws hdf5::Error.
     void create_column(const hdf5::Group& root, const std::string& path, hid_t type,
                        const hdf5::Shape& row_shape, const hdf5::Label& label);
-    /// Opens the data sets for appending, in a file opened anew. Throws hdf5::Error.
+    /// Opens the data sets of a reopened file for appending. Throws hdf5::Error.
     void open(const hdf5::Group& root);
 
-    /// Room for the next row's value in the next column; columns in the order they were created.
+    /// Storage for the next row's value in the next column; columns in order of creation.
     [[nodiscard]] std::byte* next_cell();
 
     [[nodiscard]] std::vector<std::string> paths() const;
@@ -39,15 +39,16 @@ class Table {
     /// Appends waiting rows from row `first` on, column by column, to `to`.
     void copy_pending(std::size_t first, std::size_t rows, std::vector<std::byte>& to) const;
 
-    /// Writes up to the end of the next chunk; one that is not full yet only if asked to. Series of one table
-    /// then differ by a chunk at most when a kill comes between. False on failure; error() tells why.
+    /// Writes up to the end of the next chunk; an incomplete chunk only if requested. If the program is
+    /// killed, the series of one table thus differ by at most one chunk. False on failure; error() states the
+    /// reason.
     [[nodiscard]] bool write_chunk(bool unfinished);
-    /// Everything at once: for a file that nobody misses when it stays unfinished.
+    /// Writes everything at once: for a file that may be lost if left unfinished.
     [[nodiscard]] bool write_all();
 
     [[nodiscard]] const std::string& error() const { return error_; }
 
-    /// Lets go of data sets that can no longer be written, without touching them again.
+    /// Drops data sets that can no longer be written, without any further access to them.
     void abandon();
 
   private:
@@ -71,12 +72,12 @@ class Table {
     std::string error_;
 };
 
-/// Shows the steps' time axis in each group of step series. Throws hdf5::Error.
+/// Links the steps' time axis into each group of step series. Throws hdf5::Error.
 void link_time_axis(const hdf5::Group& root);
 
 /// The visitor that creates a table's columns from a list in layout.hpp.
 template <class Record>
-[[nodiscard]] auto creating(Table& table, const hdf5::Group& root) {
+[[nodiscard]] auto column_creator(Table& table, const hdf5::Group& root) {
     return [&table, &root](const std::string& path, const hdf5::Label& label, auto field, std::size_t width) {
         using Field = std::decay_t<decltype(field(std::declval<Record&>()))>;
         table.create_column(root, path, Cell<Field>::type(width).get(), Cell<Field>::shape(width), label);
@@ -85,7 +86,7 @@ template <class Record>
 
 /// The visitor that appends a record.
 template <class Record>
-[[nodiscard]] auto appending(Table& table, const Record& record) {
+[[nodiscard]] auto row_appender(Table& table, const Record& record) {
     return [&table, &record](const std::string&, const hdf5::Label&, auto field, std::size_t width) {
         using Field = std::decay_t<decltype(field(record))>;
         Cell<Field>::pack(field(record), width, table.next_cell());

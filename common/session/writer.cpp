@@ -17,11 +17,11 @@
 
 #include "common/hdf5/file.hpp"
 #include "common/session/layout.hpp"
-#include "common/session/liveness.hpp"
-#include "common/session/ring.hpp"
+#include "common/session/repair/recording_lock.hpp"
+#include "common/session/repair/spsc_ring_buffer.hpp"
+#include "common/session/repair/tail.hpp"
 #include "common/session/scene_file.hpp"
 #include "common/session/table.hpp"
-#include "common/session/tail.hpp"
 
 namespace eti::session {
 
@@ -30,9 +30,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-/// How often the queues are emptied.
+/// Interval at which the queues are emptied.
 constexpr auto poll = 20ms;
-/// Longest that a record is in the tail only, which other programs do not read beside this one.
+/// Longest time that a record is in the tail only, which other programs do not read beside this one.
 constexpr auto longest_unwritten = 5s;
 constexpr auto warning_period = 10s;
 
@@ -71,7 +71,7 @@ struct SessionWriter::Impl {
     void warn_of_deletion();
 
     template <class T>
-    bool push(Ring<T>& ring, const T& record) {
+    bool push(SpscRingBuffer<T>& ring, const T& record) {
         while (!has_failed.load(std::memory_order_relaxed)) {
             if (ring.push(record)) {
                 return true;
@@ -89,16 +89,16 @@ struct SessionWriter::Impl {
     Settings settings;
     std::size_t tube_nodes;
 
-    Ring<StepRecord> steps;
-    Ring<CommandRecord> commands;
-    Ring<StateRecord> states;
-    Ring<DeformationRecord> deformations;
-    Ring<FluidRecord> fluids;
-    Ring<EventRecord> events;
-    Ring<AnnotationRecord> annotations;
-    Ring<SummaryRecord> summaries;
+    SpscRingBuffer<StepRecord> steps;
+    SpscRingBuffer<CommandRecord> commands;
+    SpscRingBuffer<StateRecord> states;
+    SpscRingBuffer<DeformationRecord> deformations;
+    SpscRingBuffer<FluidRecord> fluids;
+    SpscRingBuffer<EventRecord> events;
+    SpscRingBuffer<AnnotationRecord> annotations;
+    SpscRingBuffer<SummaryRecord> summaries;
 
-    // The writer's thread alone touches these once it runs.
+    // Used only by the writer's thread once it runs.
     hdf5::File file;
     hdf5::Group meta;
     Table step_table{step_chunk};
@@ -112,7 +112,7 @@ struct SessionWriter::Impl {
     Table annotation_table{small_chunk};
     Table annotation_place_table{small_chunk};
     Table summary_table{small_chunk};
-    // What points to rows of another table comes behind it, and much that is worth little at the end.
+    // Tables that refer to rows of another come after it; the most valuable tables come first.
     std::vector<Table*> tables{&step_table,       &command_table, &state_table,
                                &event_table,      &summary_table, &annotation_place_table,
                                &annotation_table, &frame_table,   &deformation_table};
@@ -121,7 +121,7 @@ struct SessionWriter::Impl {
     Clock::time_point warned_at{};
     bool said_deleted = false;
     std::uint64_t last_time_ns = 0;
-    LiveMark live;
+    RecordingLock live;
 
     std::atomic<std::uint64_t> lost{0};
     std::atomic<bool> has_failed{false};
@@ -138,7 +138,7 @@ void SessionWriter::Impl::create(const SessionInfo& info, const SceneRecord& sce
     try {
         create_in(std::move(made), info, scene);
     } catch (...) {
-        // Half a beginning is of no use, and would be in the way of the next try.
+        // An incomplete file is useless, and would block the next attempt to create it.
         std::error_code ignored;
         std::filesystem::remove(path, ignored);
         throw;
@@ -147,27 +147,27 @@ void SessionWriter::Impl::create(const SessionInfo& info, const SceneRecord& sce
 
 void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene) {
     const hdf5::Group& root = made.root();
-    write_head(root, info, scene, 0);
-    step_columns(tube_nodes, creating<StepRecord>(step_table, root));
-    command_columns(creating<CommandRecord>(command_table, root));
-    state_columns(creating<StateRecord>(state_table, root));
-    moved_frame_columns(creating<MovedFrame>(frame_table, root));
-    moved_frames_columns(creating<MovedFrames>(deformation_table, root));
+    write_header(root, info, scene, 0);
+    step_columns(tube_nodes, column_creator<StepRecord>(step_table, root));
+    command_columns(column_creator<CommandRecord>(command_table, root));
+    state_columns(column_creator<StateRecord>(state_table, root));
+    moved_frame_columns(column_creator<MovedFrame>(frame_table, root));
+    moved_frames_columns(column_creator<MovedFrames>(deformation_table, root));
     if (scene.liquid) {
-        fluid_columns(creating<FluidParticle>(fluid_table, root));
-        fluid_rows_columns(creating<FluidRows>(fluid_rows_table, root));
+        fluid_columns(column_creator<FluidParticle>(fluid_table, root));
+        fluid_rows_columns(column_creator<FluidRows>(fluid_rows_table, root));
         tables.insert(tables.end(), {&fluid_table, &fluid_rows_table});
     }
-    event_columns(creating<EventRecord>(event_table, root));
-    annotation_rows_columns(creating<AnnotationRows>(annotation_table, root));
-    annotation_place_columns(creating<AnnotationPlace>(annotation_place_table, root));
-    summary_columns(creating<SummaryRecord>(summary_table, root));
+    event_columns(column_creator<EventRecord>(event_table, root));
+    annotation_rows_columns(column_creator<AnnotationRows>(annotation_table, root));
+    annotation_place_columns(column_creator<AnnotationPlace>(annotation_place_table, root));
+    summary_columns(column_creator<SummaryRecord>(summary_table, root));
     link_time_axis(root);
     tail.create(root);
     made.close();
 
-    // From here on in single-writer mode, in which nothing but rows may be added.
-    file = hdf5::File::open(path, hdf5::Access::append_beside_readers);
+    // From here on in single-writer mode, in which only rows may be added.
+    file = hdf5::File::open(path, hdf5::Access::append_swmr);
     meta = file.root().open("meta");
     for (Table* table : tables) {
         table->open(file.root());
@@ -177,7 +177,8 @@ void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, co
 }
 
 void SessionWriter::Impl::run() {
-    // Signals belong to the program's main thread; a file-size limit then shows as a failed write.
+    // Signals are handled on the program's main thread; exceeding a file-size limit then shows as a failed
+    // write.
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
@@ -203,10 +204,10 @@ void SessionWriter::Impl::run() {
     finish();
 }
 
-/// Moves what waits into the tables; after a failure, away.
+/// Moves waiting records into the tables; discards them after a failure.
 void SessionWriter::Impl::drain() {
     const auto take = [this](auto& ring, const auto& append) {
-        // A producer as fast as this thread must not keep the other queues waiting.
+        // A producer as fast as this thread must not starve the other queues.
         for (std::size_t left = ring.capacity(); left > 0; --left) {
             const auto* record = ring.front();
             if (record == nullptr) {
@@ -218,29 +219,29 @@ void SessionWriter::Impl::drain() {
             ring.pop();
         }
     };
-    take(commands, [this](const CommandRecord& r) { command_columns(appending(command_table, r)); });
+    take(commands, [this](const CommandRecord& r) { command_columns(row_appender(command_table, r)); });
     take(deformations, [this](const DeformationRecord& r) {
         const MovedFrames moved{r.time_ns, frame_table.rows(), static_cast<std::uint32_t>(r.frame.size())};
-        moved_frames_columns(appending(deformation_table, moved));
+        moved_frames_columns(row_appender(deformation_table, moved));
         for (std::size_t i = 0; i < r.frame.size(); ++i) {
             const MovedFrame frame{r.frame[i], r.pose[i]};
-            moved_frame_columns(appending(frame_table, frame));
+            moved_frame_columns(row_appender(frame_table, frame));
         }
     });
     take(fluids, [this](const FluidRecord& r) {
         const FluidRows rows{r.time_ns, fluid_table.rows(), static_cast<std::uint32_t>(r.position.size())};
-        fluid_rows_columns(appending(fluid_rows_table, rows));
+        fluid_rows_columns(row_appender(fluid_rows_table, rows));
         for (const Vec3f& position : r.position) {
             const FluidParticle particle{position};
-            fluid_columns(appending(fluid_table, particle));
+            fluid_columns(row_appender(fluid_table, particle));
         }
     });
     take(steps, [this](const StepRecord& r) {
-        step_columns(tube_nodes, appending(step_table, r));
+        step_columns(tube_nodes, row_appender(step_table, r));
         last_time_ns = r.time_ns;
     });
-    take(states, [this](const StateRecord& r) { state_columns(appending(state_table, r)); });
-    take(events, [this](const EventRecord& r) { event_columns(appending(event_table, r)); });
+    take(states, [this](const StateRecord& r) { state_columns(row_appender(state_table, r)); });
+    take(events, [this](const EventRecord& r) { event_columns(row_appender(event_table, r)); });
     take(annotations, [this](const AnnotationRecord& r) {
         const AnnotationRows rows{r.time_ns,
                                   r.kind,
@@ -249,21 +250,21 @@ void SessionWriter::Impl::drain() {
                                   r.object,
                                   annotation_place_table.rows(),
                                   static_cast<std::uint32_t>(r.place.size())};
-        annotation_rows_columns(appending(annotation_table, rows));
+        annotation_rows_columns(row_appender(annotation_table, rows));
         for (std::size_t i = 0; i < r.place.size(); ++i) {
             const SurfacePlace& at = r.place[i];
             const AnnotationPlace place{at.triangle, {at.u, at.v, at.height}, r.position[i]};
-            annotation_place_columns(appending(annotation_place_table, place));
+            annotation_place_columns(row_appender(annotation_place_table, place));
         }
     });
-    take(summaries, [this](const SummaryRecord& r) { summary_columns(appending(summary_table, r)); });
+    take(summaries, [this](const SummaryRecord& r) { summary_columns(row_appender(summary_table, r)); });
 }
 
-/// Writes of each table a chunk, if it is full, has waited long enough, or `everything` has to be written.
-/// `more`: whether there is another. Nothing on success, else why not.
+/// Writes one chunk of each table if it is full, has waited long enough, or `everything` is set. `more`:
+/// whether another chunk remains. Nullopt on success, else the reason.
 std::optional<std::string> SessionWriter::Impl::write_chunks(bool everything, bool& more) {
-    // What a kill leaves between two flushes may be in some series and not in others. So a flush follows
-    // every chunk, however much has gathered while the machine was busy.
+    // A kill between two flushes may leave data in some series and not in others. A flush therefore follows
+    // every chunk, however much has accumulated on a busy machine.
     more = false;
     bool any = false;
     for (Table* table : tables) {
@@ -293,7 +294,7 @@ void SessionWriter::Impl::warn_of_losses() {
         path.string(), total - lost_reported, settings.waiting_steps);
     lost_reported = total;
     warned_at = now;
-    event_columns(appending(event_table, EventRecord{last_time_ns, "recording", text}));
+    event_columns(row_appender(event_table, EventRecord{last_time_ns, "recording", text}));
     if (settings.on_warning) {
         settings.on_warning(text);
     }
@@ -315,7 +316,7 @@ void SessionWriter::Impl::warn_of_deletion() {
 }
 
 void SessionWriter::Impl::fail(const std::string& reason) {
-    // The library's handles are left alone: another attempt to write could only spoil what is there.
+    // Do not touch the library's handles: another write could only damage the file.
     for (Table* table : tables) {
         table->abandon();
     }

@@ -12,35 +12,35 @@
 
 namespace eti::session {
 
-/// Writes a session file on a thread of its own.
+/// Writes a session file on its own thread.
 ///
-/// What is on disk is a consistent file at any time (HDF5's single-writer mode): a killed program leaves a
-/// file that SessionReader reads and that `repair` opens to every HDF5 tool. What was pushed a quarter of a
-/// second before is in it. All push() calls must come from one thread; none ever waits,
-/// unless Settings::wait_when_full says so.
+/// The file on disk is consistent at any time (HDF5's single-writer mode): SessionReader reads a file that a
+/// killed program leaves, and `repair` makes it readable by every HDF5 tool. Such a file contains everything
+/// pushed up to a quarter of a second before. All push() calls must come from one thread; none ever waits
+/// unless Settings::wait_when_full is set.
 class SessionWriter {
   public:
     struct Settings {
-        /// Called on the writer's thread, once, when writing failed (full disk). Recording ends there, the
-        /// program goes on; the text names the file, the reason and the remedy.
+        /// Called once, on the writer's thread, when writing fails (full disk). Recording ends and the
+        /// program continues; the text states the file, the reason and the remedy.
         std::function<void(const std::string&)> on_error;
-        /// Called on the writer's thread, at most every 10 s, while records are lost because the disk
-        /// cannot follow.
+        /// Called on the writer's thread, at most every 10 s, while records are lost because the disk is too
+        /// slow.
         std::function<void(const std::string&)> on_warning;
-        /// Steps that may wait for the disk; 1024 last 5.7 s at 180 Hz and take about 1 MB.
+        /// Capacity of the step queue; 1024 steps last 5.7 s at 180 Hz and take about 1 MB.
         std::size_t waiting_steps = 1024;
-        /// For runs that ignore the clock: push() waits for room instead of losing records.
+        /// For runs not tied to real time: push() waits for room instead of losing records.
         bool wait_when_full = false;
     };
 
-    /// Creates the file; refuses to replace one. Throws hdf5::Error.
+    /// Creates the file; never replaces an existing one. Throws hdf5::Error.
     SessionWriter(const std::filesystem::path& path, const SessionInfo& info, const SceneRecord& scene,
                   Settings settings);
     ~SessionWriter();
     SessionWriter(const SessionWriter&) = delete;
     SessionWriter& operator=(const SessionWriter&) = delete;
 
-    /// False if the record was lost: no room, or recording has failed.
+    /// False if the record was lost: queue full, or recording has failed.
     bool push(const StepRecord& record);
     bool push(const CommandRecord& record);
     bool push(const StateRecord& record);
@@ -51,12 +51,12 @@ class SessionWriter {
     bool push(const AnnotationRecord& record);
     bool push(const SummaryRecord& record);
 
-    /// Records lost for want of room.
+    /// Number of records lost because a queue was full.
     [[nodiscard]] std::uint64_t lost() const;
     [[nodiscard]] bool failed() const;
 
-    /// Writes what still waits, marks the session as finished and closes the file. True if all that was
-    /// pushed is in it. Does nothing when called again.
+    /// Writes all queued records, marks the session as finished and closes the file. True if the file
+    /// contains everything that was pushed. Does nothing on further calls.
     bool close();
 
   private:

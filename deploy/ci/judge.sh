@@ -4,12 +4,12 @@
 #
 # Plays a scripted operator on a scenario without clock, bus and display, and judges the result.
 # Usage: judge.sh [SCENARIO [OPERATOR]]. Leaves result.json; exit 0 only if the trachea was intubated.
-# ETI_STATE_HASH: also asks for these bits, which are equal on the same build and kind of processor.
+# ETI_STATE_HASH: also requires this hash, which is equal on the same build and kind of processor.
 set -eu
 
 eti-server --fast --no-dds --finish-after-attempt --scenario "${1:-term}" --operator "${2:-expert}" --json > result.json
 jq -e '.success' result.json > /dev/null || { jq -r '"not intubated: " + .reason' result.json >&2; exit 1; }
-# Bounds of your own go here; docs/metrics.md says what there is.
+# Add your own bounds here; docs/metrics.md lists the metrics.
 jq -e '.parameters.gum_force_n.max < 10 and .parameters.oesophageal_entries == 0' result.json > /dev/null || {
     jq '.parameters' result.json >&2
     exit 1

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Builds the examples with Debian's Cyclone DDS (cyclonedds-dev, libddsc0debian, cyclonedds-tools) and a C compiler: the
-# IDL compiled as it stands, and nothing else of NeoETI.
+# Builds the examples with Debian's Cyclone DDS (cyclonedds-dev, libddsc0debian, cyclonedds-tools) and a C compiler:
+# from the unchanged IDL, and nothing else of NeoETI.
 set -eu
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -19,7 +19,7 @@ command -v idlc >/dev/null || {
 }
 mkdir -p "$1/idl"
 out=$(cd "$1" && pwd)
-# The number stands where the programs have it from, so that this cannot lag behind.
+# Read from the programs' own source, so that it stays current.
 protocol=$(sed -n 's/^inline constexpr int protocol = \([0-9]*\);.*/\1/p' "$root/common/bus/topics.hpp")
 (cd "$out/idl" && idlc -l c "$root/idl/eti.idl")
 build() {

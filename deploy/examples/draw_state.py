@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Draws what surface_reader wrote: the head's surfaces from the side with its particles by tissue, and cut open.
+"""Draws the output of surface_reader: the head's surfaces from the side, its particles by tissue, and a section.
 
 Needs Debian's python3-matplotlib. Usage: draw_state.py FOLDER PICTURE.png
 """
@@ -18,16 +18,16 @@ from matplotlib import pyplot  # noqa: E402
 
 from vtk_state import State  # noqa: E402
 
-# As common/model/tissue.hpp numbers them.
+# Numbered as in common/model/tissue.hpp.
 TISSUES = {0: ("soft tissue", "#d9a38f"), 1: ("tongue", "#c0392b"), 2: ("epiglottis", "#f1c40f"),
            3: ("larynx", "#2980b9"), 6: ("upper gum", "#8e44ad"), 7: ("lower gum", "#27ae60"), 8: ("palate", "#e67e22")}
-LIGHT = numpy.array([0.75, -0.35, 0.55])  # towards it; x to the patient's left, y to the back, z to the head's top
+LIGHT = numpy.array([0.75, -0.35, 0.55])  # to the light; x to the patient's left, y to the back, z to the crown
 HALF_SLICE = 1.5e-3  # [m]
 PIXELS_PER_METRE = 5000
 
 
 def draw_surface(axes, points, triangles):
-    """Seen from the patient's left, shaded; what is nearest counts in each pixel."""
+    """View from the patient's left, shaded; the nearest triangle wins in each pixel."""
     low, high = points[:, 1:].min(axis=0), points[:, 1:].max(axis=0)
     across, up = numpy.ceil((high - low) * PIXELS_PER_METRE).astype(int) + 1
     depth, shade = numpy.full((up, across), -numpy.inf), numpy.full((up, across), numpy.nan)
@@ -56,7 +56,7 @@ def draw_surface(axes, points, triangles):
 
 
 def draw_cut(axes, points, triangles, colour):
-    """Where the triangles meet the plane x = 0."""
+    """Section of the triangles with the plane x = 0."""
     corners = points[triangles]
     ends = []
     for a, b in ((0, 1), (1, 2), (2, 0)):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Reads the files that surface_reader writes: legacy VTK, ASCII, one set of points with what belongs to each."""
+"""Reads the files of surface_reader: legacy VTK, ASCII, one point set with its attributes."""
 
 import re
 
@@ -10,7 +10,7 @@ NUMBERS_OF = {"POINTS": 3, "POLYGONS": 4, "VERTICES": 2, "SCALARS": 1}
 
 
 class State:
-    """`points` [m], `triangles` (three points each), and by name what belongs to each point or triangle."""
+    """`points` [m], `triangles` (three points each), and attributes of points or triangles by name."""
 
     def __init__(self, path):
         lines = path.read_text().splitlines()

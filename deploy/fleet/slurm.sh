@@ -4,7 +4,7 @@
 #
 # One shard of a sweep per task of a Slurm array, with neoeti-tools installed on the nodes:
 #   sbatch --array=0-31 deploy/fleet/slurm.sh stability --out /shared/results
-# What follows is eti-bench's. When all tasks have ended: eti-bench merge DIR /shared/results/shard-*-of-32
+# The arguments are eti-bench's. When all tasks have ended: eti-bench merge DIR /shared/results/shard-*-of-32
 #
 #SBATCH --job-name=neoeti
 #SBATCH --ntasks=1

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Hosts that are not there: network namespaces of this machine, joined by eti-lab-link.
+"""Virtual hosts: network namespaces of this machine, joined by eti-lab-link.
 
 A host is a process that sleeps in namespaces of its own: network, /dev/shm (programs of two hosts must not meet in
-shared memory) and name (Fast DDS tells hosts apart by name and address). Nothing of it has a name in a file system.
-When the process that made them ends, however it ends, the kernel ends hosts and media, and with the last process of a
-host its interfaces and shared memory go, too.
+shared memory) and host name (Fast DDS identifies hosts by name and address). Nothing of it has a name in a file system.
+When the process that created them ends, for any reason, the kernel ends hosts and media; with the last process of a
+host its interfaces and shared memory are released, too.
 """
 
 import json
@@ -22,7 +22,7 @@ INTERFACE = "eth0"
 MULTICAST_ROUTE = "224.0.0.0/4"
 READY_WITHIN = 10.0     # [s]
 
-# What a host is set up with; then it says so and sleeps.
+# Sets up a host, reports that it is ready, and sleeps.
 SETUP = """
 mount -t tmpfs -o mode=1777 tmpfs /dev/shm && hostname "$1" && ip link set lo up &&
     echo 1 >/proc/sys/net/ipv6/conf/default/disable_ipv6 && echo ready && exec sleep infinity
@@ -30,11 +30,11 @@ mount -t tmpfs -o mode=1777 tmpfs /dev/shm && hostname "$1" && ip link set lo up
 
 
 class LabError(RuntimeError):
-    """Something about the lab that a person can mend; the text says what to do."""
+    """A problem of the lab that the user can fix; the text gives the remedy."""
 
 
 def why_impossible(bin_folder=None):
-    """Why there can be no namespaces here, or None."""
+    """Reason why namespaces cannot be created here, or None."""
     if os.geteuid() != 0:
         return "network namespaces need root: run it as root, or with sudo"
     if not Path("/dev/net/tun").exists():
@@ -74,7 +74,7 @@ class Host:
         return next(iter(self.addresses.values()))
 
     def enter(self):
-        """What stands before a command so that it runs on this host."""
+        """Command prefix that runs a command on this host."""
         return ["nsenter", f"--target={self.process.pid}", "--net", "--mount", "--uts", "--"]
 
     def run(self, *command):
@@ -94,7 +94,7 @@ class Host:
         return sorted(self.run("ls", "/dev/shm").split())
 
     def dropped(self):
-        """Packets that its own kernel has thrown away so far, because an interface's or a socket's queue was full."""
+        """Packets dropped by its own kernel so far, because an interface's or a socket's queue was full."""
         interfaces = [line.split(":")[1].split() for line in self.run("cat", "/proc/net/dev").splitlines()[2:]]
         names, counts = [line.split()[1:] for line in self.run("cat", "/proc/net/snmp").splitlines()
                          if line.startswith("Udp:")]
@@ -102,7 +102,7 @@ class Host:
         return sum(int(fields[3]) + int(fields[11]) for fields in interfaces) + sockets["RcvbufErrors"]
 
     def close(self):
-        """Ends what runs on it, then the host."""
+        """Ends its processes, then the host."""
         if self.process.poll() is None:
             for pid in processes_of(self):
                 try:
@@ -116,7 +116,7 @@ class Host:
 
 
 def processes_of(host):
-    """Processes in the host's network namespace, but not the one that holds it."""
+    """Processes in the host's network namespace, except the one that holds it."""
     own = os.readlink(host.space)
     found = []
     for folder in Path("/proc").glob("[0-9]*"):
@@ -129,11 +129,11 @@ def processes_of(host):
 
 
 class Medium:
-    """What joins hosts: a switch with delay, loss, limited rate. Interfaces are up once it is made."""
+    """Joins hosts: a switch with delay, loss, limited rate. Interfaces are up once it is created."""
 
     def __init__(self, bin_folder, hosts, subnet="10.77.0", interface=INTERFACE, delay=0.0, jitter=0.0, loss=0.0,
                  rate=0.0, multicast=True, seed=1, worse=None):
-        """`worse`: for single hosts by name, {"loss": 5} and the like."""
+        """`worse`: settings of single hosts by name, {"loss": 5} and the like."""
         ports = []
         for host in hosts:
             own = "".join(f",{key}={value}" for key, value in (worse or {}).get(host.name, {}).items())
@@ -147,7 +147,7 @@ class Medium:
             host.configure(interface, f"{subnet}.{number}")
 
     def close(self):
-        """What passed, by host."""
+        """Returns the traffic by host."""
         self.process.send_signal(signal.SIGTERM)
         said, errors = self.process.communicate(timeout=READY_WITHIN)
         if self.process.returncode != 0:
@@ -156,7 +156,7 @@ class Medium:
 
 
 def route_between(router, networks):
-    """Makes `router` pass packets between its networks; networks: {gateway address: [hosts behind it]}."""
+    """Makes `router` forward packets between its networks; networks: {gateway address: [hosts behind it]}."""
     router.run("sh", "-c", "echo 1 >/proc/sys/net/ipv4/ip_forward")
     for gateway, hosts in networks.items():
         for host in hosts:

@@ -18,7 +18,7 @@ from hosts import LabError
 
 ROOT = session_run.ROOT
 DISCOVERY_PORT = 11811
-# Roles of a session, and what each may do where the lab is secured (deploy/security).
+# Permission role of each program of a session in a secured lab (deploy/security).
 IDENTITY = {"server": "server", "haptics": "laryngoscope", "tracker": "tube", "controller": "instructor",
             "trainee": "trainee", "observer": "observer", "observer-2": "observer"}
 ROLES = (*IDENTITY, "discovery", "discovery-2")
@@ -29,12 +29,12 @@ MEETINGS = ("discovery", "multicast", "peers")
 
 
 def discovery_command(bin_folder, number, address):
-    """A discovery server; `number`: its place in what programs are given."""
+    """A discovery server; `number`: its index in the list that programs are given."""
     return [Path(bin_folder) / "eti-discovery", "--number", number, "--address", address, "--port", DISCOVERY_PORT]
 
 
 class Namespace(hosts.Host):
-    """A host on this machine, as a lab uses it."""
+    """A host on this machine for a lab."""
 
     def program(self, role, command, folder):
         return session_run.Program(role, [*self.enter(), *command], folder)
@@ -47,7 +47,7 @@ class Namespace(hosts.Host):
 
 
 class Lab(session_run.Session):
-    """A session whose programs run on hosts; see Session for watching and ending it."""
+    """A session whose programs run on hosts; see Session for monitoring and ending it."""
 
     def __init__(self, options, folder, say=None):
         say = say or (lambda text: print(text, file=sys.stderr, flush=True))
@@ -59,13 +59,13 @@ class Lab(session_run.Session):
         self.options = options
         command = [self.bin / "eti-client", *observer, "--session", self.name, "--domain", options.domain]
         self.programs["observer-2"] = session_run.Program("observer-2", command, folder)
-        self.complete_at = None     # [s] of simulation time, when all clients had the scene
+        self.complete_at = None     # [s] of simulation time at which all clients had the scene
         self.hosts, self.medium, self.discovery, self.passed = {}, None, [], {}
 
     # -- hosts
 
     def make_hosts(self):
-        """Raises LabError, or OSError, with nothing left."""
+        """Raises LabError or OSError, after cleaning up."""
         names = [name for name in IDENTITY if name not in HOST_OF]
         if self.options.meet == "discovery":
             names += ["discovery", "discovery-2"][:self.options.discovery_servers]
@@ -87,7 +87,7 @@ class Lab(session_run.Session):
         return self.hosts.get(role) or self.hosts[HOST_OF[role]]
 
     def meeting(self, role):
-        """Options by which a program finds the others."""
+        """Discovery options of a program."""
         if self.options.meet == "multicast":
             return ["--network"]
         if self.options.meet == "discovery":
@@ -96,10 +96,10 @@ class Lab(session_run.Session):
         others = {host.address for other, host in self.hosts.items() if other in IDENTITY}
         return [word for address in sorted(others - {self.host(role).address}) for word in ("--peer", address)]
 
-    # -- a session's life
+    # -- life cycle of a session
 
     def secure(self):
-        """Makes the lab's identities and sends to each host its own."""
+        """Creates the lab's identities and sends each host its own."""
         script = ROOT / "deploy/security/make_lab.sh"
         if not script.exists():
             raise LabError(f"--security: {script} is not there, which makes the lab's identities")
@@ -131,7 +131,7 @@ class Lab(session_run.Session):
                 self.discovery.append(host.program(name, discovery_command(self.bin, number, host.address), self.folder))
                 self.discovery[-1].start()
         if "controller" in self.programs and self.options.hosts:
-            # Its pad is a pipe that this script presses: on another machine there is none.
+            # Its pad is a pipe that this script writes to: not available on another machine.
             del self.programs["controller"]
         if "controller" in self.programs:
             self.pad.plug_in()
@@ -149,7 +149,7 @@ class Lab(session_run.Session):
             self.end_in_time(time_s)
 
     def end_in_time(self, time_s):
-        """Ends the session once it has lasted as long as asked for with all clients in it: to join may take seconds."""
+        """Ends the session once all clients have been in it for the requested duration: joining may take seconds."""
         if self.complete_at is None:
             if all("scene is complete" in program.log.read_text(errors="replace")
                    for role, program in self.programs.items() if role in CLIENTS):
@@ -158,14 +158,14 @@ class Lab(session_run.Session):
             self.server.send(signal.SIGINT)
 
     def abandon(self):
-        """Ends a lab that did not come to its start."""
+        """Ends a lab that failed to start."""
         self.programs = {role: program for role, program in self.programs.items() if program.process}
         for program in self.programs.values():
             program.send(signal.SIGTERM)
         self.finish()
 
     def close(self):
-        """Ends what is left of it. Not before finish()."""
+        """Ends what is left of it. Call finish() first."""
         for program in self.discovery:
             program.send(signal.SIGTERM)
         for program in self.discovery:
@@ -178,7 +178,7 @@ class Lab(session_run.Session):
             host.close()
 
     def what_was_seen(self):
-        """What each program says of its session and what passed between the hosts, for printing as JSON."""
+        """Each program's report on its session and the traffic between the hosts, for printing as JSON."""
         programs = {}
         for role, program in self.programs.items():
             how = program.how_it_ended() if program.process else "not started"
@@ -235,7 +235,7 @@ def parse():
     options.bin, options.out = options.bin.absolute(), options.out.absolute()
     options.bin_there = options.bin_there or options.bin
     if options.meet is None:
-        # A discovery server that has no identity is not admitted to a secured lab.
+        # A secured lab admits no discovery server without an identity.
         options.meet = "discovery" if not options.security else "peers" if options.no_multicast else "multicast"
     if options.security and options.meet == "discovery":
         parser.error("--security with --meet discovery: no identity is made for the discovery server; "

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// eti-lab-link joins network namespaces of one machine by a medium that delays, loses and holds back frames:
-// a kernel without netem can do the same then. Namespaces and addresses are the caller's
-// (deploy/lab/hosts.py).
+// eti-lab-link connects network namespaces of one machine by a medium with delay, loss and limited rate, for
+// kernels without netem. The caller sets up namespaces and addresses (deploy/lab/hosts.py).
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -32,7 +31,7 @@ using namespace eti::lab;
 using namespace std::chrono_literals;
 
 constexpr std::size_t largest_frame = 16384;  // [bytes], of an interface with a large MTU
-constexpr int frames_at_once = 64;            // from one host, before the others have their turn
+constexpr int frames_at_once = 64;            // per host and turn
 
 constexpr int as_hardware = eti::priority::loop + 5;
 
@@ -104,7 +103,7 @@ void run(Medium& medium, std::vector<Tap>& taps) {
         files.push_back({tap.file(), POLLIN, 0});
     }
     std::vector<std::uint8_t> frame(largest_frame);
-    while (!eti::stop_asked()) {
+    while (!eti::stop_requested()) {
         const auto wait = std::clamp<std::chrono::nanoseconds>(medium.next_at() - Clock::now(), 0ns, 100ms);
         const timespec timeout{0, static_cast<long>(wait.count())};
         (void)::ppoll(files.data(), files.size(), &timeout, nullptr);
@@ -163,10 +162,10 @@ int main(int argc, char** argv) {
         return *status;
     }
     eti::catch_stop_signals();
-    // The kernel would else wake this thread up to 50 us late, and let the hosts' programs go before it: it
-    // stands for hardware, from which no program takes time.
+    // Without this, the kernel would wake this thread up to 50 us late and schedule the hosts' programs
+    // first. The thread stands for hardware, which takes no time from programs.
     ::prctl(PR_SET_TIMERSLACK, 1UL);
-    if (const std::string refusal = eti::become_real_time(as_hardware); !refusal.empty()) {
+    if (const std::string refusal = eti::set_real_time_priority(as_hardware); !refusal.empty()) {
         fmt::print(stderr, "eti-lab-link: {}\n", refusal);
     }
     try {

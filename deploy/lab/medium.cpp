@@ -11,9 +11,9 @@ namespace eti::lab {
 namespace {
 
 constexpr std::size_t ethernet_header = 14;  // [bytes]
-// What a line of limited rate holds before it drops: a common router's share of a second.
+// Queue of a line of limited rate before it drops frames, as a share of a second: a common router's.
 constexpr std::chrono::milliseconds longest_queue{100};
-// A host that made up addresses would else fill memory.
+// Bounds memory use if a host makes up addresses.
 constexpr std::size_t most_addresses = 4096;
 
 std::uint64_t address_at(std::span<const std::uint8_t> frame, std::size_t offset) {

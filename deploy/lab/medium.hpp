@@ -18,31 +18,31 @@ namespace eti::lab {
 
 using Clock = std::chrono::steady_clock;
 
-/// How a host hangs on the medium. Between two hosts counts the worse value of the two.
+/// A host's connection to the medium. Between two hosts, the worse value of the two counts.
 struct Attachment {
     std::chrono::nanoseconds delay{0};   ///< one way
-    std::chrono::nanoseconds jitter{0};  ///< up to this is added, evenly; frames may then overtake each other
-    double loss = 0.0;                   ///< share of frames that get lost, each for itself
+    std::chrono::nanoseconds jitter{0};  ///< uniform, up to this; frames may then overtake each other
+    double loss = 0.0;                   ///< independent loss probability of a frame
     double rate = 0.0;                   ///< [bit/s] each way; 0: no limit
 };
 
-/// What happened at a host's port.
+/// Statistics of a host's port.
 struct PortCount {
     std::uint64_t frames_sent = 0, bytes_sent = 0;          ///< by the host
     std::uint64_t frames_received = 0, bytes_received = 0;  ///< by the host
-    std::uint64_t lost = 0;                                 ///< on the way to it, by chance
+    std::uint64_t lost = 0;                                 ///< on the way to it, at random
     std::uint64_t overflowed = 0;                           ///< from or to it: its rate's queue was full
     std::uint64_t held_back = 0;  ///< multicast from it that the medium does not carry
 };
 
-/// A switch that learns who is where, and what lies between its ports: delay, loss, a limited rate. Knows
-/// neither sockets nor the clock.
+/// A learning switch with delay, loss and limited rate between its ports. Independent of sockets and clock.
 class Medium {
   public:
-    /// `multicast`: it is carried, to every other host; broadcast always is, for hosts find each other by it.
+    /// `multicast`: whether it is carried, to every other host; broadcast always is, since hosts need it to
+    /// find each other.
     Medium(std::vector<Attachment> ports, bool multicast, std::uint64_t seed);
 
-    /// A host has sent a frame (Ethernet, without checksum).
+    /// Sends a host's frame (Ethernet, without checksum).
     void send(std::size_t port, std::span<const std::uint8_t> frame, Clock::time_point now);
 
     struct Delivery {
@@ -51,7 +51,7 @@ class Medium {
     };
     /// The next frame that has arrived by `now`, counted as received.
     [[nodiscard]] std::optional<Delivery> next(Clock::time_point now);
-    /// When the next one arrives; none on its way: Clock::time_point::max().
+    /// Arrival time of the next frame; Clock::time_point::max() if there is none.
     [[nodiscard]] Clock::time_point next_at() const;
 
     [[nodiscard]] const std::vector<PortCount>& counts() const { return counts_; }
@@ -61,7 +61,7 @@ class Medium {
 
     struct OnItsWay {
         Clock::time_point at;
-        std::uint64_t order;  ///< of two that arrive at once, the one sent first
+        std::uint64_t order;  ///< ties: frames with equal arrival times keep their order
         Delivery delivery;
         bool operator>(const OnItsWay& other) const {
             return at != other.at ? at > other.at : order > other.order;

@@ -10,11 +10,11 @@ from pathlib import Path
 from hosts import LabError
 from session_run import Program, die_with_parent
 
-# BatchMode: nobody is there to type a password. The rest notices within 15 s that a machine is gone.
+# BatchMode: never asks for a password. The other options detect a lost machine within 15 s.
 SSH = ["ssh", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10", "-o", "ServerAliveInterval=5",
        "-o", "ServerAliveCountMax=3"]
 
-# Signals come as lines; where they end, so has ssh or whoever started it, and the program must not stay.
+# Signals arrive as lines; end of file means that ssh or its parent has ended, and then the program must end, too.
 RUN = """
 exec 3<&0
 "$@" </dev/null 3<&- & program=$!
@@ -28,7 +28,7 @@ exit $status
 
 
 class RemoteProgram(Program):
-    """One on another machine; what it says is logged here."""
+    """A program on another machine; its output is logged here."""
 
     def __init__(self, name, machine, command, folder):
         line = " ".join(shlex.quote(str(part)) for part in ["sh", "-c", RUN, "sh", *command])
@@ -44,7 +44,7 @@ class RemoteProgram(Program):
         if not self.running():
             return
         if number == signal.SIGKILL:
-            self.process.kill()     # of ssh; the machine does the rest
+            self.process.kill()     # kills ssh; the other machine does the rest
             return
         try:
             self.process.stdin.write(f"{signal.Signals(number).name.removeprefix('SIG')}\n".encode())
@@ -73,7 +73,7 @@ class RemoteHost:
         return RemoteProgram(role, self.machine, command, folder)
 
     def send_folder(self, folder):
-        """To the same place there."""
+        """Copies a folder to the same path there."""
         archive = subprocess.run(["tar", "-C", folder, "-c", "."], check=True, capture_output=True).stdout
         there = shlex.quote(str(folder))
         done = subprocess.run([*SSH, self.machine, f"umask 077; mkdir -p {there} && tar -C {there} -x"], input=archive,

@@ -22,7 +22,7 @@ namespace {
     throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// A file that is closed when it goes.
+/// Closes a file descriptor in its destructor.
 class Opened {
   public:
     Opened(const std::filesystem::path& path, int flags) : file_(::open(path.c_str(), flags | O_CLOEXEC)) {

@@ -9,7 +9,7 @@
 
 namespace eti::lab {
 
-/// The far end of a network interface in another network namespace. The interface goes with it.
+/// The far end of a network interface in another network namespace. Destroying it removes the interface.
 class Tap {
   public:
     /// `space`: the namespace's file, /proc/PID/ns/net or /run/netns/NAME. Throws std::system_error.
@@ -18,9 +18,9 @@ class Tap {
     Tap(Tap&& other) noexcept : file_(other.file_) { other.file_ = -1; }
     Tap& operator=(Tap&&) = delete;
 
-    /// Bytes of the next frame that the host has sent; 0: none is waiting.
+    /// Size [bytes] of the next frame that the host has sent; 0: none is waiting.
     [[nodiscard]] std::size_t read(std::span<std::uint8_t> frame);
-    /// False: the host cannot take it.
+    /// False: the host cannot receive it.
     bool write(std::span<const std::uint8_t> frame);
     [[nodiscard]] int file() const { return file_; }
 

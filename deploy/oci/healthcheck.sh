@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Exit 0 while the server's loop goes on. The kernel counts two signs of it: the loop sleeps up to 180 times a second,
-# also while it stands still for a silent device; and it logs each second of simulation time, also where it is too late
-# to sleep. One that hangs, waiting or busy, does neither.
+# Exit 0 while the server's loop is running. The kernel counts two signs of it: the loop sleeps up to 180 times a
+# second, also while it is paused for a silent device; and it logs each second of simulation time, also when it is too
+# late to sleep. A hanging loop, waiting or busy, does neither.
 # Usage: healthcheck.sh [PROCESS [SECONDS]]
 set -eu
 process=${1:-1}

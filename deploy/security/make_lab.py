@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Makes a lab's certificate authority and, for each role asked for, a folder with an identity for --identity.
+"""Creates a lab's certificate authority and, for each requested role, a folder with an identity for --identity.
 
-Run again with the same folder it adds roles to the lab, with the same authority; an identity that is there stays as it
-is unless --renew is given.
+Run again with the same folder, it adds roles to the lab with the same authority; existing identities are kept unless
+--renew is given.
 """
 
 import argparse
@@ -23,7 +23,7 @@ import roles  # noqa: E402
 
 ORGANISATION = "NeoETI lab"
 AUTHORITY_YEARS = 20
-SLACK = timedelta(days=1)  # clocks of machines and time zones differ
+SLACK = timedelta(days=1)  # allowance for differing clocks and time zones
 LARGEST_PERMISSIONS = 5000  # [bytes] of the 8192 in common/bus/transport.hpp, beside certificate and keys
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,47}")
 
@@ -58,7 +58,7 @@ distinguished_name = name
 
 
 class LabError(Exception):
-    """Something that the user can mend."""
+    """A problem that the user can fix."""
 
 
 def openssl(*arguments):
@@ -69,7 +69,7 @@ def openssl(*arguments):
 
 
 def make_key(file):
-    """A private key that nobody but its owner ever could read."""
+    """A private key that only its owner can read at any time."""
     with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as out:
         out.write(openssl("genpkey", "-algorithm", "EC", "-pkeyopt", "ec_paramgen_curve:P-256"))
 
@@ -77,13 +77,13 @@ def make_key(file):
 class Lab:
     def __init__(self, folder):
         self.folder = Path(folder)
-        self.own = self.folder / "authority"  # to be kept apart: who has it can make any identity
+        self.own = self.folder / "authority"  # keep it separate: its owner can create any identity
         self.certificate = self.own / "ca.pem"
         self.key = self.own / "ca.key"
         self.configuration = self.own / "openssl.cnf"
 
     def make_authority(self, valid_from):
-        """The lab's authority; True if it is new."""
+        """Creates the lab's authority if it does not exist; returns whether it is new."""
         there = [file for file in (self.certificate, self.key) if file.exists()]
         if len(there) == 2:
             return False
@@ -96,7 +96,7 @@ class Lab:
         self.configuration.write_text(CONFIGURATION.format(folder=self.own.absolute()))
         make_key(self.key)
         begin = min(valid_from, datetime.now(timezone.utc)) - SLACK
-        # Two labs are told apart by their authorities' names.
+        # The authority's name identifies the lab.
         self.issue(self.key, f"/O={ORGANISATION}/CN={ORGANISATION} {secrets.token_hex(4)}", begin,
                    begin + timedelta(days=365 * AUTHORITY_YEARS), self.certificate, "authority")
         return True
@@ -120,7 +120,7 @@ class Lab:
                     self.certificate, "-inkey", self.key)
 
     def make_identity(self, role, name, begin, end, sessions, domains):
-        """DIR/NAME, whole or not at all."""
+        """Creates DIR/NAME, complete or not at all."""
         place = self.folder / name
         with tempfile.TemporaryDirectory(dir=self.folder, prefix=f".{name}-") as scratch:
             made = Path(scratch, name)
@@ -132,7 +132,7 @@ class Lab:
             shutil.copyfile(self.certificate, made / "permissions_ca.pem")
             self.sign(roles.governance(self.authority_name()), made / "governance.p7s")
             subject = self.subject(made / "certificate.pem")
-            # The certificate's own dates decide; those of permissions are read as local time.
+            # The certificate's own dates are decisive; those of permissions are read as local time.
             text = roles.permissions(role, name, subject, begin - SLACK, end + SLACK, sessions, domains)
             self.sign(text, made / "permissions.p7s")
             size = (made / "permissions.p7s").stat().st_size

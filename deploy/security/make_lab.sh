@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Makes a lab's certificate authority and one identity folder per program. See --help and docs/security.md.
+# Creates a lab's certificate authority and one identity folder per program. See --help and docs/security.md.
 
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/../setup.sh"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Which role writes and reads which topics, as the documents that DDS Security 1.1 signs: governance and permissions."""
+"""Topics that each role writes and reads, as the documents that DDS Security 1.1 signs: governance and permissions."""
 
 from xml.sax.saxutils import escape
 
@@ -12,8 +12,8 @@ SERVER = ("session_description", "scene", "proxy", "tissue_contacts", "tube_forc
 
 TOOLS = ("laryngoscope_pose", "tube_pose")
 
-# What each role writes, besides what everybody does. The server reads all topics, others what the server writes:
-# who read commands without acknowledging them could hold up the one who gives them.
+# Topics that each role writes, in addition to everybody's. The server reads all topics, others the server's: readers of
+# commands that do not acknowledge them could block the writer.
 WRITES = {
     "server": SERVER,
     "trainee": ("eye_pose", "command"),
@@ -37,13 +37,13 @@ DOES = {
 def reads(role):
     if role == "server":
         return tuple(dict.fromkeys(topic for topics in WRITES.values() for topic in topics)) + EVERYBODY
-    # Hands see whether a device holds a tool already.
+    # Role `hands` reads whether a device already holds a tool.
     return SERVER + EVERYBODY + (TOOLS if role == "hands" else ())
 
 
 def governance(authority):
-    """Nobody without an identity, everything encrypted, writing and reading as the permissions say. Not
-    whole datagrams (rtps_protection_kind): with them Fast DDS 2.9.1 aborts or stalls where members come and go."""
+    """No access without an identity, everything encrypted, writing and reading by permissions. Not whole datagrams
+    (rtps_protection_kind): with that, Fast DDS 2.9.1 aborts or stalls when members join and leave."""
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <!-- {escape(authority)} -->
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
@@ -80,9 +80,9 @@ def _criteria(kind, topics, partitions):
 
 
 def permissions(role, name, subject, valid_from, valid_to, sessions, domains):
-    """What one identity may do. `subject` as RFC 2253 writes it; `sessions` empty: every one; `domains`: (first, last).
-    A session's partition is its name, a slash and the protocol, which permissions outlive. Without indentation: the
-    document has to fit one datagram."""
+    """Permissions of one identity. `subject` as in RFC 2253; `sessions` empty: all; `domains`: (first, last). A
+    session's partition is its name, a slash and the protocol version; permissions are valid for any version. Without
+    indentation: the document must fit one datagram."""
     partitions = [f"{session}/*" for session in sessions] or ["*"]
     moment = "%Y-%m-%dT%H:%M:%S"
     return f"""<?xml version="1.0" encoding="UTF-8"?>

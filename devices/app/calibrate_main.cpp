@@ -24,7 +24,7 @@ using nlohmann::ordered_json;
 
 struct CalibrateOptions {
     ProgramOptions device;
-    std::string points;  // places to touch
+    std::string points;  // points to touch
     std::string pairs;   // already measured
     std::string poses;   // of a pivot, already measured
     std::string pivot;   // result of an earlier pivot
@@ -40,7 +40,7 @@ struct CalibrateOptions {
 constexpr std::chrono::milliseconds poll{5};
 constexpr int samples_per_touch = 60;
 
-/// What was measured is not enough to keep.
+/// Calibration interrupted before enough was measured.
 struct Interrupted : std::runtime_error {
     Interrupted() : std::runtime_error("interrupted; nothing was written") {}
 };
@@ -56,14 +56,14 @@ Eigen::Isometry3d twice(const RigidTransform& pose) {
     return out;
 }
 
-/// How the printed parts hold the tool on a device's moving part: the handle stands along a stylus (its z),
-/// the tube along a magnetic sensor's cable (its x).
+/// Orientation of the tool on a device's moving part, as the printed parts hold it: the handle along a stylus
+/// (its z), the tube along a magnetic sensor's cable (its x).
 Quatf mounting(const std::string& device) {
     return device == "trakstar" ? quaternion_from({0.0f, 90.0f * degree, 0.0f})
                                 : quaternion_from({90.0f * degree, 0.0f, 0.0f});
 }
 
-/// What rests in a dimple, tool frame: the ball at the printed blade's tip, or the tube's tip.
+/// The point that rests in a dimple, tool frame: the ball at the printed blade's tip, or the tube's tip.
 Vec3f tip_of(const CalibrateOptions& options) {
     if (options.tool == "tube") {
         const Tube tube;
@@ -79,7 +79,7 @@ Sampling open(const CalibrateOptions& options) {
     SensorSetup setup;
     setup.source = options.device.source;
     setup.library = options.device.library;
-    return Sampling(driver_named(options.device.device, Use::tool).open(setup));
+    return Sampling(find_driver(options.device.device, DeviceRole::tool).open(setup));
 }
 
 void explain(Sampling& sampling) {
@@ -106,17 +106,17 @@ void bar(double share, const std::string& text) {
     }
 }
 
-/// Mean of the tip's place over a quarter of a second, device frame.
+/// Mean position of the tip over a quarter of a second, device frame.
 Eigen::Vector3d touch(Sampling& sampling, const Eigen::Vector3d& tip) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Reading reading;
     for (int got = 0, tried = 0; got < samples_per_touch; ++tried) {
         std::this_thread::sleep_for(poll);
-        sampling.watch().tend();
+        sampling.watch().poll_events();
         if (sampling.newest(reading)) {
             sum += twice(reading.motion.pose) * tip;
             ++got;
-        } else if (stop_asked()) {
+        } else if (stop_requested()) {
             throw Interrupted{};
         } else if (tried % 400 == 399) {
             explain(sampling);
@@ -125,7 +125,7 @@ Eigen::Vector3d touch(Sampling& sampling, const Eigen::Vector3d& tip) {
     return sum / samples_per_touch;
 }
 
-/// Touches the named points one after the other and says after each how well they agree.
+/// Touches the named points in turn and reports after each how well they agree.
 std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::Vector3d& tip) {
     std::vector<PointPair> pairs = load_points(options.points, false);
     Sampling sampling = open(options);
@@ -134,7 +134,7 @@ std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::V
                                  pairs[i].name)
                   << std::flush;
         std::string line;
-        if (!std::getline(std::cin, line) || stop_asked()) {
+        if (!std::getline(std::cin, line) || stop_requested()) {
             throw Interrupted{};
         }
         pairs[i].device = touch(sampling, tip);
@@ -151,7 +151,7 @@ std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::V
     return pairs;
 }
 
-/// Fits what was touched, writes the file and says how good it is.
+/// Fits the touched points, writes the file and reports the quality.
 int conclude(const CalibrateOptions& options, Calibration out, const std::vector<PointPair>& pairs) {
     out.device = options.device.device;
     out.date = utc_now();
@@ -173,7 +173,7 @@ int conclude(const CalibrateOptions& options, Calibration out, const std::vector
     if (!fit.advice.empty()) {
         spdlog::warn("to do better, {}", fit.advice);
     }
-    if (fit.handedness_open) {
+    if (fit.handedness_ambiguous) {
         spdlog::warn(
             "the points lie in one plane, so a device whose axes are mirrored would fit as well; touch more "
             "points, {:.0f} mm or more off it",
@@ -187,7 +187,7 @@ int conclude(const CalibrateOptions& options, Calibration out, const std::vector
                                   {"points", points},
                                   {"error_mm", 1e3 * out.error},
                                   {"left_out_error_mm", 1e3 * out.left_out_error},
-                                  {"handedness_open", fit.handedness_open},
+                                  {"handedness_open", fit.handedness_ambiguous},
                                   {"advice", fit.advice}}
                          .dump(2)
                   << std::endl;
@@ -216,13 +216,13 @@ int register_device(const CalibrateOptions& options) {
     return conclude(options, out, pairs);
 }
 
-/// What a simulated device's registration gives: its frame is the patient's, so what is left is the error.
+/// Registers a simulated device: its frame is the patient's, so the deviation from identity is the error.
 int register_simulated(const CalibrateOptions& options) {
-    const SensorNoise& noise = sensor_noises().front();
+    const SensorNoise& noise = sensor_noise_table().front();
     Random random(options.seed);
     const auto board = load_points(options.points, false);
     spdlog::info("points touched with the noise of a {}: {}", noise.device, noise.source);
-    return conclude(options, {}, touched(board, noise, Eigen::Isometry3d::Identity(), random));
+    return conclude(options, {}, simulate_touches(board, noise, Eigen::Isometry3d::Identity(), random));
 }
 
 std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
@@ -231,11 +231,11 @@ std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
     spdlog::info("rest the tip in a dimple and swing the handle to all sides for {:.0f} s", options.seconds);
     Reading reading;
     for (double left = options.seconds; left > 0.0; left -= 1e-3 * static_cast<double>(poll.count())) {
-        if (stop_asked()) {
+        if (stop_requested()) {
             throw Interrupted{};
         }
         std::this_thread::sleep_for(poll);
-        sampling.watch().tend();
+        sampling.watch().poll_events();
         if (sampling.newest(reading)) {
             poses.push_back(twice(reading.motion.pose));
         }
@@ -283,9 +283,9 @@ int simulate(const CalibrateOptions& options) {
         std::cout << fmt::format("{:<10}{:>10}{:>12}{:>10}{:>10}{:>10}  noise\n", "device", "outliers",
                                  "median mm", "95 % mm", "worst mm", "refused");
     }
-    for (const SensorNoise& noise : sensor_noises()) {
+    for (const SensorNoise& noise : sensor_noise_table()) {
         for (const bool outliers : {false, true}) {
-            if (stop_asked()) {
+            if (stop_requested()) {
                 throw Interrupted{};
             }
             const TrialResult r = simulate_calibrations(board, noise, options.trials, outliers, options.seed);
@@ -320,7 +320,7 @@ int main(int argc, char** argv) {
                          "eti-calibrate");
     app.require_subcommand(1);
     const auto common = [&](eti::CommandLine command) {
-        add_device_options(command, options.device, Use::tool);
+        add_device_options(command, options.device, DeviceRole::tool);
         command.add_option("--tool", options.tool, "What the device holds")
             .capture_default_str()
             .one_of({"laryngoscope", "tube"});

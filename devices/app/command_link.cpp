@@ -4,7 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/scenario/preset.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/setting.hpp"
@@ -12,13 +12,13 @@
 namespace eti::devices {
 
 PadCommand command_from(const std::string& typed) {
-    const LiveSetting setting = live_setting(typed);
+    const RuntimeParameterSetting setting = parse_runtime_parameter(typed);
     return {setting.field->name, setting.value};
 }
 
 std::vector<PadCommand> commands_of_preset(const std::string& name_or_path) {
     std::vector<PadCommand> out;
-    for (const LiveSetting& value : load_preset(find_data_file(name_or_path, "presets")).values) {
+    for (const RuntimeParameterSetting& value : load_preset(find_data_file(name_or_path, "presets")).values) {
         out.push_back({value.field->name, value.value});
     }
     return out;
@@ -39,14 +39,14 @@ void CommandLink::send(const PadCommand& command) {
 
 void CommandLink::poll() {
     (void)commands_.take_answers();
-    if (!served()) {
+    if (!has_server()) {
         bus::refuse_other_protocol(node_);
     }
     msg::SessionStatus status;
     while (status_.take(status)) {
         session_finished_ = session_finished_ || status.phase() == msg::PHASE_FINISHED;
-        say_device("laryngoscope", status.laryngoscope(), laryngoscope_);
-        say_device("tube", status.tube(), tube_);
+        log_device_change("laryngoscope", status.laryngoscope(), laryngoscope_);
+        log_device_change("tube", status.tube(), tube_);
     }
     msg::SessionDescription description;
     while (description_topic_.take(description)) {
@@ -61,11 +61,11 @@ void CommandLink::poll() {
     msg::LiveMetrics live;
     if (keys_ && live_.take_latest(live)) {
         now_ = live.live();
-        patient_ = keys_->live(live);
+        patient_ = keys_->runtime_parameters(live);
     }
 }
 
-void CommandLink::say_device(const char* tool, msg::DevicePresence now, msg::DevicePresence& said) {
+void CommandLink::log_device_change(const char* tool, msg::DevicePresence now, msg::DevicePresence& said) {
     if (now == msg::DEVICE_SILENT && said != now) {
         spdlog::warn("the {}'s device is silent", tool);
     } else if (now == msg::DEVICE_HEARD && said == msg::DEVICE_SILENT) {
@@ -74,8 +74,8 @@ void CommandLink::say_device(const char* tool, msg::DevicePresence now, msg::Dev
     said = now;
 }
 
-bool CommandLink::wait_for_answers(std::chrono::milliseconds patience) {
-    const auto limit = std::chrono::steady_clock::now() + patience;
+bool CommandLink::wait_for_answers(std::chrono::milliseconds timeout) {
+    const auto limit = std::chrono::steady_clock::now() + timeout;
     const auto answered = [this] { return accepted() + refused() == sent(); };
     while (!answered() && std::chrono::steady_clock::now() < limit) {
         (void)commands_.wait(std::chrono::milliseconds(50));

@@ -12,7 +12,7 @@ namespace eti::devices {
 namespace {
 
 constexpr float rate = 10.0f * degree;       // [rad/s] at full deflection
-constexpr float dead_zone = 0.15f;           // of a stick that rests
+constexpr float dead_zone = 0.15f;           // for a stick at rest
 constexpr float sent_every = 0.5f * degree;  // [rad]
 constexpr std::string_view suction_name = "suction";
 constexpr float suction_step = 0.1f;
@@ -21,14 +21,14 @@ constexpr float settled_after = 1.0f;  // [s]
 
 }  // namespace
 
-void CommandPad::follow(Posture& posture, const LiveValues& patient) {
-    const LiveField& field = posture.field;
+void CommandPad::follow(Posture& posture, const RuntimeParameters& patient) {
+    const RuntimeParameterField& field = posture.field;
     if (const float now = patient.*field.value; posture.rested >= settled_after && std::isfinite(now)) {
         posture.value = posture.sent = field.clamped(now);
     }
 }
 
-void CommandPad::follow(const LiveValues& patient) {
+void CommandPad::follow(const RuntimeParameters& patient) {
     follow(head_, patient);
     follow(jaw_, patient);
     follow(table_, patient);
@@ -40,7 +40,7 @@ bool CommandPad::move(Posture& posture, float stick, float elapsed) {
     }
     if (std::abs(stick) < dead_zone) {
         posture.rested += elapsed;
-        // What is left of the last move, when the stick comes to rest.
+        // The rest of the last move, when the stick comes to rest.
         const bool unsent = posture.value != posture.sent;
         posture.sent = *posture.value;
         return unsent;
@@ -54,7 +54,7 @@ bool CommandPad::move(Posture& posture, float stick, float elapsed) {
     return true;
 }
 
-std::vector<PadCommand> CommandPad::let_go() {
+std::vector<PadCommand> CommandPad::release() {
     if (suction_ == 0.0f) {
         return {};
     }
@@ -64,7 +64,7 @@ std::vector<PadCommand> CommandPad::let_go() {
 
 std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed) {
     if (!reading.present) {
-        return let_go();
+        return release();
     }
     std::vector<PadCommand> out;
     for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]},

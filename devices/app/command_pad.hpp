@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/bus/topics.hpp"
-#include "common/model/live.hpp"
+#include "common/model/runtime_parameters.hpp"
 #include "devices/sensor/sensor.hpp"
 
 namespace eti::devices {
@@ -15,46 +15,46 @@ namespace eti::devices {
 namespace msg = bus::msg;
 
 struct PadCommand {
-    std::string_view name;  ///< of what lives
+    std::string_view name;  ///< of a runtime parameter
     float value = 0.0f;     ///< SI
 };
 
-/// Turns sticks and buttons into commands: axis 1 raises (up) and lowers the head and axis 0 opens (right)
-/// and closes the jaw, at up to 10 deg/s, the rate of a nurse's hands; axis 4, a pad's right stick, tilts the
-/// table (up: head-up); button 0 or a trigger on axis 5 is suction. A stick that rests sends nothing; a
-/// posture is sent when it has moved by half a degree. Sticks move nothing until follow() has told from
-/// where.
+/// Maps sticks and buttons to commands. Axis 1 raises (up) and lowers the head and axis 0 opens (right) and
+/// closes the jaw, at up to 10 deg/s, the speed of a nurse's hands. Axis 4, a pad's right stick, tilts the
+/// table (up: head-up). Button 0 or a trigger on axis 5 is suction. A stick at rest sends nothing; a posture
+/// is sent when it has changed by half a degree. Sticks have no effect until follow() has given the current
+/// posture.
 class CommandPad {
   public:
-    /// Where the patient is, as the server says. Taken for a posture whose stick has rested for a second,
-    /// which is longer than the patient follows a stick, so that scenario and instructor are gone on from,
-    /// not undone.
-    void follow(const LiveValues& patient);
+    /// Updates the patient's posture from the server. It applies to a posture whose stick has been at rest
+    /// for a second, longer than the patient lags behind a stick. Changes by scenario and instructor are thus
+    /// continued, not undone.
+    void follow(const RuntimeParameters& patient);
 
     [[nodiscard]] std::vector<PadCommand> update(const Reading& reading, float elapsed);
 
-    /// Whoever takes commands now knows of none: what is held is sent again.
-    void begin_again() { suction_ = 0.0f; }
-    /// What must not stay on when nobody's thumb is on the pad any more.
-    [[nodiscard]] std::vector<PadCommand> let_go();
+    /// Call when a new server knows of no commands yet: held inputs are sent again.
+    void resend_held_inputs() { suction_ = 0.0f; }
+    /// Commands that end continuous inputs when the pad is no longer used.
+    [[nodiscard]] std::vector<PadCommand> release();
 
   private:
-    /// A posture that a stick moves.
+    /// A posture parameter that a stick controls.
     struct Posture {
-        const LiveField& field;
+        const RuntimeParameterField& field;
         std::optional<float> value{};  // [rad]
         float sent = 0.0f;             // [rad]
         float rested = 1e3f;           // [s]
     };
-    static void follow(Posture& posture, const LiveValues& patient);
+    static void follow(Posture& posture, const RuntimeParameters& patient);
     [[nodiscard]] static bool move(Posture& posture, float stick, float elapsed);
 
-    // The server refuses what lies beyond its bounds; here they only keep a stick from winding up.
-    Posture head_{*live_field("head_elevation")};
-    Posture jaw_{*live_field("jaw_opening")};
-    Posture table_{*live_field("table_angle")};
+    // The server enforces its bounds; here they only prevent windup.
+    Posture head_{*find_runtime_parameter("head_elevation")};
+    Posture jaw_{*find_runtime_parameter("jaw_opening")};
+    Posture table_{*find_runtime_parameter("table_angle")};
     float suction_ = 0.0f;
-    bool trigger_seen_ = false;  // pads without one report its axis as 0, which would be half pressed
+    bool trigger_seen_ = false;  // without a trigger, axis 5 reads 0, which would be half pressed
 };
 
 }  // namespace eti::devices

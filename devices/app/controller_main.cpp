@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
@@ -17,20 +17,20 @@
 #include "devices/app/command_link.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/session_list.hpp"
-#include "devices/sensor/sensor_watch.hpp"
+#include "devices/sensor/sensor_monitor.hpp"
 
 namespace eti::devices {
 namespace {
 
 constexpr std::chrono::milliseconds period{20};  // 50 commands a second at most
-constexpr std::chrono::milliseconds last_patience{500};
+constexpr std::chrono::milliseconds final_answer_timeout{500};
 
-/// Turns what a thumb does into commands and says how the server answers.
+/// Maps the pad to commands and reports the server's answers.
 class Controller {
   public:
     explicit Controller(const ProgramOptions& options)
         : options_(options),
-          sensor_(driver_named(options.device, Use::commands).open(setup_of(options))),
+          sensor_(find_driver(options.device, DeviceRole::commands).open(setup_of(options))),
           watch_(*sensor_),
           link_(options.bus) {}
 
@@ -43,17 +43,16 @@ class Controller {
             const auto now = std::chrono::steady_clock::now();
             const float elapsed = std::chrono::duration<float>(now - last).count();
             last = now;
-            watch_.tend();
+            watch_.poll_events();
             const Reading reading = watch_.exchange({}, elapsed);
             link_.poll();
-            if (link_.served() != served_) {
+            if (link_.has_server() != served_) {
                 served_ = !served_;
                 served_ ? spdlog::info("a server takes commands")
                         : spdlog::warn("no server takes commands any more");
-                pad_.begin_again();
+                pad_.resend_held_inputs();
             }
-            // A command that nobody takes would be lost without a word: what is held now is sent when
-            // a server is there.
+            // Without a server a command would be lost silently: held inputs are sent when a server appears.
             if (served_) {
                 if (link_.patient()) {
                     pad_.follow(*link_.patient());
@@ -70,17 +69,17 @@ class Controller {
                 lost ? spdlog::warn("device '{}' is lost: {}", options_.device, watch_.fault())
                      : spdlog::info("device '{}' is back", options_.device);
             }
-            if (stop_asked()) {
+            if (stop_requested()) {
                 ended_ = "interrupted";
             } else if (options_.duration > 0.0 &&
                        std::chrono::duration<double>(now - begun).count() >= options_.duration) {
                 ended_ = "duration";
             }
         }
-        for (const PadCommand& command : pad_.let_go()) {
-            if (link_.served()) {
+        for (const PadCommand& command : pad_.release()) {
+            if (link_.has_server()) {
                 link_.send(command);
-                (void)link_.wait_for_answers(last_patience);
+                (void)link_.wait_for_answers(final_answer_timeout);
             }
         }
     }
@@ -99,26 +98,26 @@ class Controller {
 
     ProgramOptions options_;
     std::unique_ptr<Sensor> sensor_;
-    SensorWatch watch_;
+    SensorMonitor watch_;
     CommandPad pad_;
     CommandLink link_;
     bool served_ = false;
     std::string ended_;
 };
 
-/// Waits for a server that is `ready`; throws when none is after ten seconds.
+/// Waits for a server that is `ready`; throws if there is none after ten seconds.
 template <class Ready>
 void wait_for_server(const ProgramOptions& options, const Ready& ready) {
     const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (!ready()) {
         if (std::chrono::steady_clock::now() > limit) {
-            throw bus::BusError(bus::no_server(options.bus));
+            throw bus::BusError(bus::missing_server_message(options.bus));
         }
         std::this_thread::sleep_for(period);
     }
 }
 
-/// What the session says of itself, with the values of now.
+/// The session's description with the current values.
 nlohmann::ordered_json list_once(const ProgramOptions& options) {
     CommandLink link(options.bus);
     wait_for_server(options, [&] {
@@ -128,7 +127,7 @@ nlohmann::ordered_json list_once(const ProgramOptions& options) {
     return session_list(*link.description(), link.now());
 }
 
-/// Leaves a remark in the session's record.
+/// Adds a note to the session's record.
 nlohmann::ordered_json note_once(const ProgramOptions& options, const std::string& text) {
     bus::Node node(options.bus);
     bus::Publisher<msg::Annotation> notes(node, bus::topics::annotation);
@@ -141,18 +140,18 @@ nlohmann::ordered_json note_once(const ProgramOptions& options, const std::strin
     note.sender(bus::process_name().substr(0, msg::bound::Annotation_sender));
     note.kind(msg::ANNOTATION_NOTE);
     note.text(text);
-    const bool received = notes.publish(note) && notes.wait_until_received(last_patience);
+    const bool received = notes.publish(note) && notes.wait_until_received(final_answer_timeout);
     return {{"session", options.bus.session},
             {"ended", received ? "noted" : "the server did not take the note"}};
 }
 
-/// Sends what was typed and waits for the answers.
+/// Sends the typed commands and waits for the answers.
 nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector<PadCommand>& wanted) {
     using namespace std::chrono_literals;
     CommandLink link(options.bus);
     wait_for_server(options, [&] {
         link.poll();
-        return link.served();
+        return link.has_server();
     });
     for (const PadCommand& command : wanted) {
         link.send(command);
@@ -165,7 +164,7 @@ nlohmann::ordered_json set_once(const ProgramOptions& options, const std::vector
             {"refused", link.refused()}};
 }
 
-/// What is asked for on the command line, once.
+/// One-shot requests of the command line.
 struct Once {
     std::string command;             ///< without a value
     std::optional<float> seek;       ///< [s]
@@ -240,8 +239,8 @@ int main(int argc, char** argv) {
         "opening, right stick up and down table (up: head-up).\n"
         "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table.\n"
         "Keys of --set: " +
-        eti::live_keys() + ". Exit status 0 only if the server accepted all.");
-    add_device_options(app, options, Use::commands);
+        eti::runtime_parameter_help() + ". Exit status 0 only if the server accepted all.");
+    add_device_options(app, options, DeviceRole::commands);
     Once once;
     const auto device = app.option("--device").required(false);
     const auto set =

@@ -20,13 +20,13 @@ namespace eti::devices {
 namespace {
 
 constexpr double late_cycle = 1.2e-3;  // [s]
-constexpr double most_stale = 0.05;    // share of the time
+constexpr double max_stale = 0.05;     // fraction of the time
 constexpr std::chrono::milliseconds poll_interval{5};
 
 volatile std::sig_atomic_t panic_signals = 0;
 
 nlohmann::ordered_json statistics(const Program& program, const SceneLink& link, const HapticLoop& loop,
-                                  const SensorWatch& watch) {
+                                  const SensorMonitor& watch) {
     const HapticCycle& cycle = loop.cycle();
     const HapticRecord& record = cycle.record();
     const CycleStatistics& intervals = record.intervals;
@@ -61,7 +61,7 @@ nlohmann::ordered_json statistics(const Program& program, const SceneLink& link,
                         {"dissipated", 1e3 * passivity.dissipated()}};
     out["passivity_share"] = share(passivity.active_cycles());
     out["engaged_share"] = share(record.engaged_cycles);
-    out["stopped_share"] = share(record.stopped_cycles);
+    out["stopped_share"] = share(record.emergency_stop_cycles);
     out["absent_share"] = share(record.absent_cycles);
     out["stale_share"] = share(record.stale_cycles);
     out["not_finite_cycles"] = cycle.renderer().not_finite();
@@ -96,7 +96,7 @@ void log(const nlohmann::ordered_json& s) {
         s["compute_us"]["p50"].get<double>(), s["compute_us"]["p99"].get<double>(),
         s["energy_mj"]["lowest"].get<double>(), s["energy_mj"]["dissipated"].get<double>(),
         100.0 * s["passivity_share"].get<double>());
-    if (s["stale_share"].get<double>() > most_stale) {
+    if (s["stale_share"].get<double>() > max_stale) {
         spdlog::warn(
             "messages were missing so long that forces were less than whole for {:.0f} % of the time; run "
             "the server on a faster machine, or bridge longer gaps with --silence-ms",
@@ -109,23 +109,23 @@ void log(const nlohmann::ordered_json& s) {
     }
 }
 
-/// The panic key: SIGUSR1 and, in a terminal, any key but 'r' let go, as does a terminal that goes away; 'r'
-/// gives forces back.
-void heed_panic(Terminal& terminal, HapticLoop& loop) {
+/// Emergency stop: SIGUSR1, any terminal key but 'r', or a closed terminal remove the force; 'r' restores
+/// forces.
+void handle_emergency_stop(Terminal& terminal, HapticLoop& loop) {
     static std::sig_atomic_t heeded = 0;
     const std::optional<char> key = terminal.key(std::chrono::milliseconds(0));
     if (panic_signals != heeded || (key && *key != 'r')) {
         heeded = panic_signals;
-        loop.panic(true);
+        loop.set_emergency_stop(true);
         spdlog::warn("forces are off; press r to have them back");
     } else if (key && *key == 'r') {
-        loop.panic(false);
+        loop.set_emergency_stop(false);
         spdlog::info("forces come back when the device is free");
     }
 }
 
 int run(const ProgramOptions& options, RenderSettings settings) {
-    // The bus's threads, too, are between the hand and what it feels.
+    // The bus's threads are part of the haptic path, too.
     std::optional<RealTimeThreads> real_time(priority::bus);
     Program program(options, settings.tool);
     const std::string bus_refusal = real_time->refusal();
@@ -143,13 +143,13 @@ int run(const ProgramOptions& options, RenderSettings settings) {
         }
         return 0;
     }
-    SensorWatch watch(*sensor);
-    const Abilities abilities = watch.abilities();
-    settings.coupling.force_limit = std::min(settings.coupling.force_limit, abilities.force);
-    settings.coupling.torque_limit = std::min(settings.coupling.torque_limit, abilities.torque);
-    settings.torque = abilities.torque > 0.0f;
+    SensorMonitor watch(*sensor);
+    const DeviceCapabilities capabilities = watch.capabilities();
+    settings.coupling.force_limit = std::min(settings.coupling.force_limit, capabilities.force);
+    settings.coupling.torque_limit = std::min(settings.coupling.torque_limit, capabilities.torque);
+    settings.torque = capabilities.torque > 0.0f;
     settings.gimbal = program.gimbal();
-    if (abilities.force <= 0.0f) {
+    if (capabilities.force <= 0.0f) {
         spdlog::warn("device '{}' has no motors: its hand feels nothing", options.device);
     }
     Terminal terminal;
@@ -165,16 +165,15 @@ int run(const ProgramOptions& options, RenderSettings settings) {
     std::uint64_t seen_cycles = 0;
     while (!program.should_end()) {
         std::this_thread::sleep_for(poll_interval);
-        // A device that runs the loop itself stops it when it is unplugged, which is no fault of this
-        // process.
+        // A device that runs the loop itself stops it when unplugged, which is not a fault of this process.
         if (const std::uint64_t now = loop.cycles(); now != seen_cycles || loop.on_servo()) {
             seen_cycles = now;
             service.alive();
         }
-        watch.tend();
+        watch.poll_events();
         program.report(watch);
         program.watch_latency();
-        heed_panic(terminal, loop);
+        handle_emergency_stop(terminal, loop);
     }
     service.ending();
     loop.stop();
@@ -213,7 +212,7 @@ int main(int argc, char** argv) {
                    "(mean displacement times stiffness, Xiao et al. 2020)")
         .capture_default_str()
         .one_of({"constraint", "displacement"});
-    // From the gap that nothing is held for, to a second.
+    // From about the gap that needs no bridging (SafetySettings::gap) to one second.
     app.add_number(
            "--silence-ms", silence_ms,
            "Forces are gone after this time without a message; they are held whole for the first third of it "

@@ -9,7 +9,7 @@
 
 #include "common/mesh/check.hpp"
 #include "common/process/command_line.hpp"
-#include "common/process/folder.hpp"
+#include "common/process/files/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
 #include "devices/app/program.hpp"
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
         "sensor, the board for eti-calibrate. Binary STL, millimetres.",
         "eti-parts");
     app.add_option("--out", out, "Folder for the files").capture_default_str();
-    std::list<std::pair<float*, float>> typed;  // a setting [m] and what was given for it [mm]
+    std::list<std::pair<float*, float>> typed;  // a setting [m] and its given value [mm]
     const auto millimetres = [&](const char* name, float& value, const char* text, float low, float high) {
         typed.push_back({&value, 1e3f * value});
         app.add_number(name, typed.back().second, text, {low, high, "mm"}).capture_default_str();
@@ -67,13 +67,13 @@ int main(int argc, char** argv) {
         make_folder(out);
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         for (const auto& [name, make] : parts) {
-            if (stop_asked()) {
+            if (stop_requested()) {
                 spdlog::info("interrupted");
                 return 1;
             }
             const TriangleMesh mesh = make();
             const MeshReport report = check(mesh);
-            if (!report.sound()) {
+            if (!report.is_valid()) {
                 throw std::runtime_error(name + ": not a closed surface: " + report.describe());
             }
             const std::filesystem::path file = out / (name + ".stl");

@@ -34,25 +34,25 @@ std::optional<Calibration> calibration_of(const ProgramOptions& options) {
     return options.calibration.empty() ? std::nullopt : std::optional(load_calibration(options.calibration));
 }
 
-SceneLink::Feel feel_of(const ProgramOptions& options, Tool tool) {
+SceneLink::ForceSource feel_of(const ProgramOptions& options, Tool tool) {
     if (!options.haptic) {
-        return SceneLink::Feel::nothing;
+        return SceneLink::ForceSource::nothing;
     }
-    return tool == Tool::tube ? SceneLink::Feel::tube : SceneLink::Feel::tissue;
+    return tool == Tool::tube ? SceneLink::ForceSource::tube : SceneLink::ForceSource::tissue;
 }
 
 }  // namespace
 
-void add_device_options(CommandLine& app, ProgramOptions& options, Use use) {
-    app.add_option("--device", options.device, driver_list(use)).required();
+void add_device_options(CommandLine& app, ProgramOptions& options, DeviceRole role) {
+    app.add_option("--device", options.device, driver_list(role)).required();
     app.add_option("--source", options.source, "The device's file, name or number; see --device");
-    if (use == Use::tool) {
+    if (role == DeviceRole::tool) {
         app.add_option("--library", options.library, "The vendor's library by path, if not found by itself");
     }
 }
 
 void add_options(CommandLine& app, ProgramOptions& options) {
-    add_device_options(app, options, Use::tool);
+    add_device_options(app, options, DeviceRole::tool);
     app.add_option("--calibration", options.calibration,
                    "Where the device stands: a file that eti-calibrate wrote");
     app.add_option("--operator", options.operator_name,
@@ -89,7 +89,7 @@ int run_program(CommandLine& app, int argc, char** argv, const std::function<int
 Program::Program(const ProgramOptions& options, Tool tool)
     : options_(options),
       tool_(tool),
-      driver_(driver_named(options.device, Use::tool)),
+      driver_(find_driver(options.device, DeviceRole::tool)),
       script_(script_of(options)),
       calibration_(calibration_of(options)),
       started_(std::chrono::steady_clock::now()),
@@ -130,8 +130,8 @@ std::unique_ptr<Sensor> Program::open_sensor() {
     if (script_) {
         spdlog::info("'{}' waits for the scene of session '{}' on domain {}", script_->name,
                      options_.bus.session, options_.bus.domain);
-        std::optional<Surroundings> around;
-        while (!(around = link_.surroundings())) {
+        std::optional<InitialScene> around;
+        while (!(around = link_.initial_scene())) {
             if (should_end()) {
                 return nullptr;
             }
@@ -158,7 +158,7 @@ Vec3f Program::gimbal() const {
     return calibration_ ? calibration_->tool.inverse().translation : Vec3f(Vec3f::Zero());
 }
 
-void Program::report(const SensorWatch& watch) {
+void Program::report(const SensorMonitor& watch) {
     const SensorHealth now = watch.health();
     const std::string fault = watch.fault();
     if (now.lost && (!reported_.lost || fault != reported_fault_)) {
@@ -175,7 +175,7 @@ void Program::report(const SensorWatch& watch) {
         spdlog::warn(
             "device '{}' is slow: {:.0f} measurements a second, {:.0f} expected; check its cable and the "
             "load of this machine",
-            driver_.name, now.rate, watch.abilities().rate);
+            driver_.name, now.rate, watch.capabilities().rate);
     }
     if ((now.jumps > 0) != (reported_.jumps > 0) || (now.not_finite > 0) != (reported_.not_finite > 0)) {
         spdlog::warn(
@@ -195,7 +195,7 @@ void Program::watch_latency() {
     echo_.poll();
     for (const auto& [process, peer] : echo_.peers()) {
         if (peer.program == bus::server_name) {
-            // The middle of the last few: one late answer is no slow link.
+            // Median of the latest: one late answer does not mean a slow link.
             auto last = peer.round_trips_ms;
             last.erase(last.begin(), last.end() - std::min<std::ptrdiff_t>(5, std::ssize(last)));
             std::ranges::nth_element(last, last.begin() + std::ssize(last) / 2);
@@ -214,7 +214,7 @@ void Program::watch_latency() {
 
 bool Program::should_end() {
     if (ended_.empty()) {
-        if (stop_asked()) {
+        if (stop_requested()) {
             ended_ = "interrupted";
         } else if (link_.finished()) {
             ended_ = "session finished";

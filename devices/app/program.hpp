@@ -14,63 +14,62 @@
 #include "devices/calibration/calibration_file.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/drivers.hpp"
-#include "devices/sensor/sensor_watch.hpp"
+#include "devices/sensor/sensor_monitor.hpp"
 
 namespace eti::devices {
 
-/// What both device programs understand.
+/// Options that all device programs accept.
 struct ProgramOptions {
     std::string device;
-    std::string source;         ///< of the device: file, name or number; empty: the usual one
-    std::string library;        ///< the vendor's, by path; empty: by its usual names
+    std::string source;         ///< of the device: file, name or number; empty: the default
+    std::string library;        ///< path of the vendor's library; empty: its usual names
     std::string calibration;    ///< file of eti-calibrate; empty: none
-    std::string operator_name;  ///< by name or path; empty: nobody moves the tool
+    std::string operator_name;  ///< by name or path; empty: the tool does not move
     bus::Options bus;
-    double duration = 0.0;  ///< [s] of the clock; 0: until the session ends
+    double duration = 0.0;  ///< [s] of real time; 0: until the session ends
     bool json = false;
-    bool haptic = false;  ///< forces are rendered: what is felt is followed too
+    bool haptic = false;  ///< forces are rendered, so force messages are subscribed to
 };
 
 /// Adds these options to the program's own.
 void add_options(CommandLine& app, ProgramOptions& options);
 
-/// Of a device alone: which, where, by what library.
-void add_device_options(CommandLine& app, ProgramOptions& options, Use use);
+/// Device options only: which device, where, and by which library.
+void add_device_options(CommandLine& app, ProgramOptions& options, DeviceRole role);
 
-/// Of the bus and of the program's end.
+/// Options of the bus and of the program's duration.
 void add_bus_options(CommandLine& app, ProgramOptions& options);
 
-/// Logs go to standard error; Ctrl-C, SIGTERM, SIGQUIT and a closed terminal end the program in order.
+/// Sets up logging to standard error and an orderly exit on Ctrl-C, SIGTERM, SIGQUIT and a closed terminal.
 void set_up_process(const std::string& name);
 
-/// What a program's main does once its options are declared: parses, runs `work`, and turns an exception into
-/// its text in the log. Returns the exit status.
+/// Body of a program's main after its options are declared: parses, runs `work`, and logs the text of an
+/// exception. Returns the exit status.
 [[nodiscard]] int run_program(CommandLine& app, int argc, char** argv, const std::function<int()>& work);
 
-/// A device program's life: its place on the bus, its device, and why it ended.
+/// Common parts of a device program: bus node, device, and reason to end.
 class Program {
   public:
     /// Throws DeviceError, InputError or bus::BusError.
     Program(const ProgramOptions& options, Tool tool);
 
-    /// Waits, where a script needs it, until the server has shown the scene, and opens the device.
-    /// Null when the program was asked to end first.
+    /// Opens the device; with a script, first waits until the scene has arrived. Null if the program was
+    /// asked to end before that.
     [[nodiscard]] std::unique_ptr<Sensor> open_sensor();
 
-    /// Where on the tool the device holds it, tool frame [m]; the origin without a calibration.
+    /// Position of the device's attachment, tool frame [m]; the origin without a calibration.
     [[nodiscard]] Vec3f gimbal() const;
 
-    /// Says what has changed about the device's health since last asked.
-    void report(const SensorWatch& watch);
+    /// Logs changes of the device's health since the last call.
+    void report(const SensorMonitor& watch);
 
-    /// True when there is a reason to end; it is kept for ended().
+    /// True when there is a reason to end, which ended() returns.
     [[nodiscard]] bool should_end();
     [[nodiscard]] const std::string& ended() const { return ended_; }
     [[nodiscard]] double seconds() const;
-    /// Asks the server once a second how long messages take, and warns where that is more than a hand
-    /// forgives.
+    /// Measures the round trip to the server once a second, and warns where it is too long for a hand.
     void watch_latency();
-    /// [ms], there and back; nothing before the server has answered.
+    /// [ms]; nullopt before the first answer.
     [[nodiscard]] std::optional<double> round_trip_ms() const { return round_trip_ms_; }
     [[nodiscard]] bus::Node& node() { return node_; }
     [[nodiscard]] SceneLink& link() { return link_; }
@@ -87,7 +86,7 @@ class Program {
     std::chrono::steady_clock::time_point started_;
     bus::Node node_;
     SceneLink link_;
-    bus::EchoAsker echo_;
+    bus::EchoRequester echo_;
     std::chrono::steady_clock::time_point asked_{}, warned_{};
     std::optional<double> round_trip_ms_;
     std::string ended_;

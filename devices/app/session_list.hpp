@@ -10,12 +10,12 @@
 
 namespace eti::devices {
 
-/// What a session says of itself, whatever its server's version: scenario, tools, names, and each value that
-/// lives with range and present value, as typed. `now` [SI]: in the order of the description; may be empty.
+/// A session's description, whatever its server's version: scenario, tools, names, and each runtime parameter
+/// with range and current value in typed units. `now` [SI]: in the order of the description; may be empty.
 [[nodiscard]] nlohmann::ordered_json session_list(const bus::msg::SessionDescription& session,
                                                   std::span<const float> now);
 
-/// The same for people, a line for each value that lives.
+/// The same as text, with one line per runtime parameter.
 [[nodiscard]] std::string session_text(const nlohmann::ordered_json& list);
 
 }  // namespace eti::devices

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/service_notify.hpp"
 #include "devices/app/program.hpp"
@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t period_ns = 1'000'000'000 / 240;
 constexpr std::uint64_t cycles_per_report = 48;  // five times a second
 
-/// Follows the tube at 240 Hz until there is a reason to end.
+/// Publishes the tube's pose at 240 Hz until there is a reason to end.
 class TubeTracker {
   public:
     TubeTracker(Program& program, Sensor& sensor)
@@ -32,7 +32,7 @@ class TubeTracker {
             if (now < next) {
                 continue;
             }
-            watch_.tend();
+            watch_.poll_events();
             cycle(now, static_cast<float>(now - last) * 1e-9f);
             if (++cycles_ % cycles_per_report == 0) {
                 program_.report(watch_);
@@ -64,7 +64,7 @@ class TubeTracker {
     }
 
   private:
-    /// A device with a servo thread of its own is read there, and only there. A tracked tube has no motors.
+    /// A device with its own servo thread is read only there. A tracked tube has no motors.
     [[nodiscard]] Reading read(float elapsed) {
         if (!servo_.on_servo()) {
             return watch_.exchange({}, elapsed);
@@ -82,7 +82,7 @@ class TubeTracker {
         if (scene->proxy_arrived != 0) {
             Observation seen = scene->seen;
             seen.time = time = time_.at(*scene, now);
-            watch_.look(seen);
+            watch_.observe(seen);
         }
         const Reading reading = read(elapsed);
         if (!reading.present) {
@@ -96,7 +96,7 @@ class TubeTracker {
     }
 
     Program& program_;
-    SensorWatch watch_;
+    SensorMonitor watch_;
     bus::Publisher<msg::ToolPose> topic_;
     msg::ToolPose message_;
     SimulationTime time_;
@@ -108,8 +108,8 @@ class TubeTracker {
 };
 
 int run(const ProgramOptions& options) {
-    // This loop and the bus's threads are between the hand and what it meets: behind the server's steps, on a
-    // core that something else keeps busy, they would be silent for half a second.
+    // This loop and the bus's threads are part of the haptic path. With a lower priority than the server's
+    // steps, on a core kept busy by other work, they would be silent for half a second.
     const RealTimeThreads real_time(priority::bus);
     if (!real_time.refusal().empty()) {
         spdlog::warn("{}", real_time.refusal());

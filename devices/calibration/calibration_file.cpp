@@ -10,8 +10,8 @@
 #include <fstream>
 
 #include "common/math/units.hpp"
-#include "common/process/file_kind.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
+#include "common/process/files/file_kind.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
@@ -25,8 +25,7 @@ constexpr Range errors{0.0f, 100.0f, millimetre};
 
 constexpr std::array<std::string_view, 2> kinds = {"pivot", "registration"};
 
-/// A turn is written as its rotation vector in degrees: three numbers a person can read and cannot make
-/// inconsistent.
+/// Writes a rotation as its rotation vector in degrees: three readable numbers that are always consistent.
 std::string written(const RigidTransform& pose) {
     const Vec3f t = pose.translation / millimetre;
     const Vec3f r = rotation_vector(pose.rotation) / degree;
@@ -57,7 +56,7 @@ std::string utc_now() {
 }
 
 void save_calibration(const Calibration& c, const std::filesystem::path& file) {
-    if (const std::string kind = in_the_way(file); !kind.empty()) {
+    if (const std::string kind = describe_blocking_entry(file); !kind.empty()) {
         throw InputError(
             fmt::format("{}: is {}, expected a file or a new name; choose another place with --out",
                         file.string(), kind));
@@ -68,7 +67,7 @@ void save_calibration(const Calibration& c, const std::filesystem::path& file) {
         "to_patient:{}tool:{}",
         kinds[c.registered ? 1 : 0], c.device, c.date, c.points, 1e3 * c.error, 1e3 * c.left_out_error,
         written(c.to_patient), written(c.tool));
-    if (const std::string why = write_whole(file, text); !why.empty()) {
+    if (const std::string why = write_file_atomically(file, text); !why.empty()) {
         throw InputError(
             fmt::format("{}: cannot be written: {}; choose another place with --out", file.string(), why));
     }

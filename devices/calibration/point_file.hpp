@@ -9,12 +9,12 @@
 
 namespace eti::devices {
 
-/// Named points with their places in the patient frame and, where they have been measured, the device's:
-/// a YAML list `points` of name, patient_mm, device_mm. Throws InputError.
+/// Named points with their positions in the patient frame and, if measured, in the device frame: a YAML list
+/// `points` of name, patient_mm, device_mm. Throws InputError.
 [[nodiscard]] std::vector<PointPair> load_points(const std::filesystem::path& file, bool measured);
 
-/// Poses of a sensor, one a line: x y z [mm] and a quaternion w x y z, between commas or blanks; lines that
-/// begin with # are left out. Throws InputError naming the line.
+/// Poses of a sensor, one per line: x y z [mm] and a quaternion w x y z, separated by commas or blanks; lines
+/// that begin with # are skipped. Throws InputError naming the line.
 [[nodiscard]] std::vector<Eigen::Isometry3d> load_poses(const std::filesystem::path& file);
 
 }  // namespace eti::devices

@@ -23,14 +23,14 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double agreeing_share = 0.75;
-constexpr std::size_t fewest_poses = 20;
-// Poses that turn the tool about its tip by an angle a leave a tip's place uncertain by about the noise over
-// sin(a): the smallest singular value of the stacked system, per square root of the poses. 0.1 is
-// reached by a cone of about 12 deg.
-constexpr double least_turning = 0.1;
+constexpr std::size_t min_poses = 20;
+// Poses that turn the tool about its tip by an angle a determine the tip's position to about the noise over
+// sin(a), the smallest singular value of the stacked system per square root of the poses. A cone of about 12
+// deg reaches 0.1.
+constexpr double min_turning = 0.1;
 
-/// The rotation and translation that bring the pairs together with the least squares (Umeyama, IEEE TPAMI
-/// 13:376, 1991, without scale): by the singular vectors of the points' covariance, kept from mirroring.
+/// Least-squares rotation and translation between the pairs (Umeyama, IEEE TPAMI 13:376, 1991, without
+/// scale): from the singular vectors of the points' covariance, with reflections excluded.
 Isometry3d fit(std::span<const PointPair> pairs, std::span<const std::size_t> which) {
     const auto count = static_cast<double>(which.size());
     Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
@@ -56,7 +56,7 @@ double miss(const PointPair& pair, const Isometry3d& transform) {
     return (transform * pair.device - pair.patient).norm();
 }
 
-/// Principal spreads [m] of the patient's points, least first, and their directions.
+/// Principal spreads [m] of the patient's points in ascending order, and their directions.
 struct Spread {
     Vector3d size;
     Matrix3d direction;
@@ -79,7 +79,7 @@ Spread spread_of(std::span<const PointPair> pairs, std::span<const std::size_t> 
     return out;
 }
 
-/// "left-right", "front-back" or "head-feet" of the patient: the nearest to a direction.
+/// The patient axis closest to a direction: "left-right", "front-back" or "head-feet".
 std::string_view name_of_direction(const Vector3d& direction) {
     Eigen::Index axis = 0;
     direction.cwiseAbs().maxCoeff(&axis);
@@ -98,16 +98,16 @@ std::vector<std::size_t> agreeing(std::span<const PointPair> pairs, const Isomet
     return found;
 }
 
-/// Largest set of pairs that one transform brings within the limit.
+/// Largest set of pairs that one transform fits to within the limit.
 std::vector<std::size_t> largest_agreement(std::span<const PointPair> pairs, const FitSettings& settings) {
     const std::size_t n = pairs.size();
     std::vector<std::size_t> best;
     const auto try_triple = [&](const std::array<std::size_t, 3>& triple) {
-        if (spread_of(pairs, triple).size[1] < 0.5 * settings.thinnest) {
+        if (spread_of(pairs, triple).size[1] < 0.5 * settings.min_spread) {
             return;
         }
         auto found = agreeing(pairs, fit(pairs, triple), settings.outlier);
-        // Once more from all that agreed: a triple's own noise is larger than theirs.
+        // Refit to all inliers: a triple's own noise is larger than theirs.
         if (found.size() >= 3) {
             found = agreeing(pairs, fit(pairs, found), settings.outlier);
         }
@@ -115,7 +115,7 @@ std::vector<std::size_t> largest_agreement(std::span<const PointPair> pairs, con
             best = std::move(found);
         }
     };
-    if (n * (n - 1) * (n - 2) / 6 <= settings.most_samples) {
+    if (n * (n - 1) * (n - 2) / 6 <= settings.max_samples) {
         for (std::size_t a = 0; a < n; ++a) {
             for (std::size_t b = a + 1; b < n; ++b) {
                 for (std::size_t c = b + 1; c < n; ++c) {
@@ -126,7 +126,7 @@ std::vector<std::size_t> largest_agreement(std::span<const PointPair> pairs, con
         return best;
     }
     Random random(settings.seed);
-    for (std::size_t k = 0; k < settings.most_samples; ++k) {
+    for (std::size_t k = 0; k < settings.max_samples; ++k) {
         const std::array<std::size_t, 3> triple{random.bits() % n, random.bits() % n, random.bits() % n};
         if (triple[0] != triple[1] && triple[1] != triple[2] && triple[0] != triple[2]) {
             try_triple(triple);
@@ -136,11 +136,11 @@ std::vector<std::size_t> largest_agreement(std::span<const PointPair> pairs, con
 }
 
 void refuse_thin(const Spread& spread, const FitSettings& settings) {
-    if (spread.size[1] < settings.thinnest) {
+    if (spread.size[1] < settings.min_spread) {
         throw CalibrationError(fmt::format(
             "the points lie on a line (RMS {:.1f} mm across it, at least {:.0f} mm are needed), which leaves "
             "the turn about it open. Collect more points off that line, {} of it",
-            1e3 * spread.size[1], 1e3 * settings.thinnest, name_of_direction(spread.direction.col(1))));
+            1e3 * spread.size[1], 1e3 * settings.min_spread, name_of_direction(spread.direction.col(1))));
     }
 }
 
@@ -153,11 +153,11 @@ Isometry3d fit_rigid(std::span<const PointPair> pairs) {
 }
 
 RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& settings) {
-    if (pairs.size() < settings.fewest) {
+    if (pairs.size() < settings.min_pairs) {
         throw CalibrationError(
             fmt::format("{} pairs of points, at least {} are needed. Collect {} more, as far "
                         "apart and as little on a line as you can",
-                        pairs.size(), settings.fewest, settings.fewest - pairs.size()));
+                        pairs.size(), settings.min_pairs, settings.min_pairs - pairs.size()));
     }
     for (const PointPair& pair : pairs) {
         if (!pair.device.allFinite() || !pair.patient.allFinite()) {
@@ -180,9 +180,9 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
     refuse_thin(spread, settings);
 
     RigidFit out;
-    // Of mirrored points the best turn puts each as far to the other side of their plane as it was on this
-    // one: they miss by twice the spread across it, and agree where that is within the limit.
-    out.handedness_open = 2.0 * spread.size[0] < settings.outlier;
+    // For mirrored points, the best rotation puts each as far on the other side of their plane as it was on
+    // this one. They miss by twice the spread across it, and agree where that is within the limit.
+    out.handedness_ambiguous = 2.0 * spread.size[0] < settings.outlier;
     out.transform = fit(pairs, inliers);
     out.used.assign(pairs.size(), false);
     for (const PointPair& pair : pairs) {
@@ -194,16 +194,17 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
         sum += out.residual[i] * out.residual[i];
         std::vector<std::size_t> others;
         std::ranges::copy_if(inliers, std::back_inserter(others), [&](std::size_t k) { return k != i; });
-        // Without it the others may lie on a line; then it says nothing about them.
-        const double alone = others.size() >= 3 && spread_of(pairs, others).size[1] >= 0.5 * settings.thinnest
-                                 ? miss(pairs[i], fit(pairs, others))
-                                 : out.residual[i];
+        // Without it the others may lie on a line; the fit then says nothing about it.
+        const double alone =
+            others.size() >= 3 && spread_of(pairs, others).size[1] >= 0.5 * settings.min_spread
+                ? miss(pairs[i], fit(pairs, others))
+                : out.residual[i];
         left_out += alone * alone;
     }
     const auto count = static_cast<double>(inliers.size());
     out.fiducial_error = std::sqrt(sum / count);
     out.left_out_error = std::sqrt(left_out / count);
-    if (spread.size[1] < 3.0 * settings.thinnest || inliers.size() < 6) {
+    if (spread.size[1] < 3.0 * settings.min_spread || inliers.size() < 6) {
         out.advice = fmt::format("collect more points farther {} of the others",
                                  name_of_direction(spread.direction.col(1)));
     }
@@ -212,11 +213,12 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
 
 namespace {
 
-/// Least squares of R_i tip - pivot = -t_i over all poses, without a judgement; `turning` tells how well they
-/// determine the tip. With the means R, t and u of R_i, t_i and R_i^T t_i the normal equations are
-///   (1 - R^T R) tip = R^T t - u,   pivot = R tip + t,
-/// and the stacked system's smallest singular value, per square root of the poses, is sqrt(1 - s), where s is
-/// the largest of R.
+/// Least squares of R_i tip - pivot = -t_i over all poses, unchecked; `turning` measures how well they
+/// determine the tip.
+/// With the means R, t and u of R_i, t_i and R_i^T t_i the normal equations are
+/// (1 - R^T R) tip = R^T t - u,   pivot = R tip + t.
+/// The stacked system's smallest singular value, per square root of the poses, is sqrt(1 - s), where s is the
+/// largest singular value of R.
 PivotFit solve_pivot(std::span<const Isometry3d> poses, double& turning) {
     const auto count = static_cast<double>(poses.size());
     Matrix3d mean = Matrix3d::Zero();
@@ -240,7 +242,7 @@ PivotFit solve_pivot(std::span<const Isometry3d> poses, double& turning) {
     return out;
 }
 
-/// What the poses' numbers may be instead, if that explains why they do not fit; else nothing.
+/// Another order or unit of the poses' numbers, if that explains why they do not fit; else empty.
 std::string other_order(std::span<const Isometry3d> poses, const PivotSettings& settings) {
     const auto error_of = [&](const auto& reading) {
         std::vector<Isometry3d> others(poses.begin(), poses.end());
@@ -249,9 +251,9 @@ std::string other_order(std::span<const Isometry3d> poses, const PivotSettings& 
         }
         double turning = 0.0;
         const PivotFit fit = solve_pivot(others, turning);
-        return turning < least_turning ? settings.largest_error : fit.error;
+        return turning < min_turning ? settings.largest_error : fit.error;
     };
-    // Read as w x y z were the numbers x y z w.
+    // Reads numbers x y z w as w x y z.
     const double last =
         error_of([](const Eigen::Quaterniond& q) { return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()); });
     const double inverse = error_of([](const Eigen::Quaterniond& q) { return q.conjugate(); });
@@ -270,11 +272,11 @@ std::string other_order(std::span<const Isometry3d> poses, const PivotSettings& 
 }  // namespace
 
 PivotFit fit_pivot(std::span<const Isometry3d> poses, const PivotSettings& settings) {
-    if (poses.size() < fewest_poses) {
+    if (poses.size() < min_poses) {
         throw CalibrationError(
             fmt::format("{} poses, at least {} are needed. Turn the tool about its resting "
                         "tip for longer",
-                        poses.size(), fewest_poses));
+                        poses.size(), min_poses));
     }
     for (std::size_t i = 0; i < poses.size(); ++i) {
         if (!poses[i].matrix().allFinite()) {
@@ -283,7 +285,7 @@ PivotFit fit_pivot(std::span<const Isometry3d> poses, const PivotSettings& setti
     }
     double turning = 0.0;
     const PivotFit out = solve_pivot(poses, turning);
-    if (turning < least_turning) {
+    if (turning < min_turning) {
         throw CalibrationError(
             "the tool was turned too little to tell where its tip is. Keep the tip in place and swing the "
             "handle by 30 deg or more, to all sides");

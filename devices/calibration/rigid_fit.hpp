@@ -13,13 +13,13 @@
 
 namespace eti::devices {
 
-/// Measurements that do not determine what is asked for; the text says what to measure more.
+/// The measurements do not determine the result; the text states what else to measure.
 class CalibrationError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
-/// The same point as the device measures it and where it is in the patient frame [m].
+/// A point in the device frame and in the patient frame [m].
 struct PointPair {
     std::string name;
     Eigen::Vector3d device = Eigen::Vector3d::Zero();
@@ -27,39 +27,38 @@ struct PointPair {
 };
 
 struct FitSettings {
-    std::size_t fewest = 4;           ///< pairs; three determine the transform and leave nothing to check it
-    double thinnest = 5e-3;           ///< [m], least RMS spread across the line that fits the points best
-    double outlier = 4e-3;            ///< [m], a pair that misses by more is left out; twice the goal
-    std::size_t most_samples = 2000;  ///< triples that RANSAC tries; all of them up to 23 pairs
+    std::size_t min_pairs = 4;       ///< pairs; three determine the transform without redundancy
+    double min_spread = 5e-3;        ///< [m], least accepted RMS spread across the best-fitting line
+    double outlier = 4e-3;           ///< [m], larger residuals are outliers; twice the goal
+    std::size_t max_samples = 2000;  ///< triples that RANSAC tries; all of them up to 23 pairs
     std::uint64_t seed = 1;
 };
 
-/// Device to patient, and how good it is.
+/// Transform from device to patient, and its quality.
 struct RigidFit {
     Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  ///< patient = transform * device
-    std::vector<bool> used;                                       ///< per pair; false: left out as an outlier
-    std::vector<double> residual;                                 ///< [m], per pair, also of those left out
+    std::vector<bool> used;                                       ///< per pair; false: rejected as an outlier
+    std::vector<double> residual;                                 ///< [m], per pair, including rejected ones
     double fiducial_error = 0.0;  ///< [m], RMS residual of the used pairs (FRE)
-    double left_out_error = 0.0;  ///< [m], RMS over the used pairs of how far a fit without the pair
-                                  ///< misses it
-    std::string advice;           ///< where more points would help most; empty when none are needed
-    /// The used points lie so near one plane that a device whose axes are mirrored would fit as well.
-    bool handedness_open = false;
+    double left_out_error = 0.0;  ///< [m], RMS leave-one-out residual of the used pairs
+    std::string advice;           ///< where more points would help most; empty if not needed
+    /// The used points are so nearly coplanar that a device with mirrored axes would fit as well.
+    bool handedness_ambiguous = false;
 };
 
-/// Least-squares rigid transform without scale (Arun, Huang & Blostein 1987; the sign that keeps it from
-/// mirroring: Umeyama 1991). The weights are all one. Three pairs that span a plane are enough.
+/// Least-squares rigid transform without scale (Arun, Huang & Blostein 1987; sign that excludes reflections:
+/// Umeyama 1991). All weights are one. Three pairs that span a plane suffice.
 [[nodiscard]] Eigen::Isometry3d fit_rigid(std::span<const PointPair> pairs);
 
-/// The fit to as many pairs as agree with each other: RANSAC (Fischler & Bolles 1981) over triples, then
-/// least squares. Throws CalibrationError when there are too few pairs, when they lie on a line, or when
-/// fewer than three quarters agree.
+/// Fit to the largest set of consistent pairs: RANSAC (Fischler & Bolles 1981) over triples, then least
+/// squares. Throws CalibrationError when there are too few pairs, when they lie on a line, or when fewer than
+/// three quarters agree.
 [[nodiscard]] RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& settings = {});
 
-/// How the device's poses are turned into poses of the tool's tip.
+/// Result of a pivot calibration.
 struct PivotFit {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< [m], in the frame of the sensor on the tool
-    Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< [m], in the device's frame: where the tip stood
+    Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< [m], position of the tip, device frame
     double error = 0.0;                               ///< [m], RMS over the poses
 };
 
@@ -68,11 +67,11 @@ struct PivotSettings {
     double nearest = 5e-3, farthest = 500e-3;  ///< [m], from the sensor to the tip of a tool in a hand
 };
 
-/// The tip of a tool that was turned about its resting tip: least squares over R_i tip + t_i = pivot
-/// (the algebraic one-step method; Yaniv, "Which pivot calibration?", SPIE 9415, 2015). Throws
-/// CalibrationError for fewer than 20 poses, when they turn by too little to tell, when the tip did not rest,
-/// or when it lies where no tool has one. The text says so where another order of the quaternions' numbers
-/// or metres for millimetres would explain it.
+/// Pivot calibration of a tool turned about its resting tip: least squares over R_i tip + t_i = pivot (the
+/// algebraic one-step method; Yaniv, "Which pivot calibration?", SPIE 9415, 2015). Throws CalibrationError
+/// for fewer than 20 poses, for too little rotation, when the tip did not rest, or when its position is
+/// impossible for a tool. The text mentions another order of the quaternions' numbers, or metres instead of
+/// millimetres, where that would explain the failure.
 [[nodiscard]] PivotFit fit_pivot(std::span<const Eigen::Isometry3d> poses,
                                  const PivotSettings& settings = {});
 

@@ -13,7 +13,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// Where the tips of blade and tube go: gum, vallecula, glottis, carina of a term newborn, to a centimetre.
+// Target positions of the tips of blade and tube: gum, vallecula, glottis, carina of a term newborn, to a
+// centimetre.
 const std::array<Vector3d, 4> targets = {
     {{0, 0, 0}, {0, 0.025, -0.05}, {0, 0.03, -0.065}, {0, 0.05, -0.115}}};
 
@@ -41,7 +42,7 @@ double quantile(std::span<const double> sorted, double q) {
 
 }  // namespace
 
-std::span<const SensorNoise> sensor_noises() {
+std::span<const SensorNoise> sensor_noise_table() {
     static constexpr std::array<SensorNoise, 3> table = {{
         {"Touch", 0.055e-3, "3D Systems, Touch: nominal position resolution 0.055 mm"},
         {"Touch X", 0.023e-3, "3D Systems, Touch X: nominal position resolution 0.023 mm"},
@@ -50,8 +51,8 @@ std::span<const SensorNoise> sensor_noises() {
     return table;
 }
 
-std::vector<PointPair> touched(std::span<const PointPair> board, const SensorNoise& device,
-                               const Isometry3d& to_patient, Random& random) {
+std::vector<PointPair> simulate_touches(std::span<const PointPair> board, const SensorNoise& device,
+                                        const Isometry3d& to_patient, Random& random) {
     const Isometry3d back = to_patient.inverse();
     std::vector<PointPair> pairs(board.begin(), board.end());
     for (PointPair& pair : pairs) {
@@ -68,7 +69,7 @@ TrialResult simulate_calibrations(std::span<const PointPair> board, const Sensor
     for (int trial = 0; trial < trials; ++trial) {
         const Isometry3d truth = any_pose(random);
         const Isometry3d back = truth.inverse();
-        std::vector<PointPair> pairs = touched(board, device, truth, random);
+        std::vector<PointPair> pairs = simulate_touches(board, device, truth, random);
         if (outliers) {
             const std::size_t wrong = (pairs.size() + 9) / 10;
             for (std::size_t k = 0; k < wrong; ++k) {

@@ -11,10 +11,10 @@ namespace eti::devices {
 
 namespace {
 
-constexpr float never = -1.0f;  // an age that Freshness takes for stale
+constexpr float never = -1.0f;  // an age that Freshness treats as stale
 
 float age_of(std::int64_t arrived, std::int64_t now) {
-    // A message may come in after the cycle has begun.
+    // A message may arrive after the start of the cycle.
     return arrived > 0 ? static_cast<float>(std::max(now - arrived, std::int64_t{0})) * 1e-9f : never;
 }
 
@@ -32,7 +32,7 @@ ForceRenderer::ForceRenderer(const RenderSettings& settings)
     : settings_(settings),
       freshness_(settings.safety),
       tissue_freshness_(settings.safety),
-      regrowth_(settings.safety),
+      recovery_ramp_(settings.safety),
       engagement_(settings.safety),
       passivity_(settings.passivity),
       speeds_(settings.prediction) {}
@@ -43,7 +43,7 @@ Wrench ForceRenderer::rigid_wrench(const Motion& device, const Motion& proxy) co
 
 bool ForceRenderer::after_gap(const SceneState& scene) {
     const auto ns = [](float seconds) { return static_cast<std::int64_t>(1e9f * seconds); };
-    // What has begun to fade has to come back by the ramp, too.
+    // A force that has begun to fade must return by the ramp, too.
     const std::int64_t longest = ns(std::min(settings_.safety.gap, settings_.safety.stale_after()));
     const std::int64_t newest = std::max(scene.proxy_arrived, scene.tissue_arrived);
     const bool news = scene.proxy_arrived != proxy_arrived_ || scene.tissue_arrived != tissue_arrived_;
@@ -63,12 +63,13 @@ Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform&
                   ? constraint_wrench(scene.tissue, proxy)
                   : displacement_wrench(scene.tissue.touching(), scene.blade, proxy, tissue_stiffness());
     }
-    // After a gap all that it adds comes in by the slower way back.
+    // After a gap, all added force returns by the slower ramp.
     const float due =
         after_gap ? 0.0f
-                  : std::min(step_duration / std::max(scene.pace, settings_.prediction.slowest_pace), 0.02f);
+                  : std::min(step_duration / std::max(scene.pace, settings_.prediction.min_real_time_factor),
+                             0.02f);
     const Wrench smooth = soft_.update(now, scene.tissue_arrived, due, dt);
-    // When the whole scene falls silent the fade of the sum is enough; twice would be too steep.
+    // When the whole scene falls silent, fading the sum is enough; fading twice would be too steep.
     const float all = freshness_.share();
     const float share = all > 0.0f ? std::min(1.0f, tissue_freshness_.share() / all) : 0.0f;
     return scaled(smooth, settings_.coupling.tissue_gain * share);
@@ -99,7 +100,7 @@ Motion ForceRenderer::felt(const Motion& device) const {
 
 void ForceRenderer::release() {
     engagement_.disengage();
-    regrowth_.forget();
+    recovery_ramp_.reset();
     last_ = {};
     passivity_.exerted({});
 }
@@ -115,7 +116,7 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
                     : predicted_proxy(device, scene.proxy, age * scene.pace, scene.pace, settings_.prediction,
                                       lately, age > settings_.safety.gap);
     }
-    // However late a cycle is, the hand gets no more than one in time would have given it.
+    // However late a cycle is, the force changes by no more than in a cycle on time.
     const float counted = std::min(dt, settings_.safety.longest_cycle);
     const float fresh_before = freshness_.share(), tissue_before = tissue_freshness_.share();
     const float fresh = freshness_.update(age);
@@ -132,15 +133,17 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
             release();
             return {};
         }
-        raw = limited(sum, settings_.coupling);
+        raw = clamp_to_limits(sum, settings_.coupling);
     }
     const bool served = dt <= settings_.safety.longest_pause;
     const float would_exert = std::max(raw.force.norm(), raw.torque.norm() / settings_.passivity.arm);
     const float share = engagement_.update(proxy.has_value() && served, would_exert, counted);
-    const Wrench grown = regrowth_.update(scaled(raw, share), last_, returned, counted, settings_.coupling);
+    const Wrench grown =
+        recovery_ramp_.update(scaled(raw, share), last_, returned, counted, settings_.coupling);
     const bool steady =
-        share >= 1.0f && fresh == fresh_before && tissue_fresh == tissue_before && !regrowth_.growing();
-    const Wrench passive = limited(passivity_.apply(grown, felt(device), dt, steady), settings_.coupling);
+        share >= 1.0f && fresh == fresh_before && tissue_fresh == tissue_before && !recovery_ramp_.active();
+    const Wrench passive =
+        clamp_to_limits(passivity_.apply(grown, felt(device), dt, steady), settings_.coupling);
     last_ = rate_limited(scaled(passive, fresh), last_, counted, settings_.coupling);
     if (fresh == 0.0f || share == 0.0f) {
         last_ = {};

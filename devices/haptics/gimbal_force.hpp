@@ -8,10 +8,10 @@
 
 namespace eti::devices {
 
-/// The force at a gimbal that resists turning about a contact as `wrench` (about `origin`) would, for devices
-/// without torque: to its force comes tau x r / |r|^2, with tau the torque about the contact that the force
-/// at the gimbal does not have, and r from the contact to the gimbal. The part of the torque along r no
-/// force can have. An arm below 20 mm counts as 20 mm, so that the force stays bounded. All in m and N.
+/// For devices without torque: the force at a gimbal that resists rotation about a contact as `wrench` (about
+/// `origin`) would. The force tau x r / |r|^2 is added, where r is the vector from the contact to the gimbal
+/// and tau the torque about the contact that the force at the gimbal lacks. No force can produce the part of
+/// the torque along r. An arm below 20 mm counts as 20 mm, which bounds the force. All in m and N.
 [[nodiscard]] inline Vec3f gimbal_force(const Wrench& wrench, const Vec3f& origin, const Vec3f& contact,
                                         const Vec3f& gimbal) {
     constexpr float shortest_arm = 0.02f;

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/model/pace.hpp"
 #include "common/process/priority.hpp"
 
@@ -15,7 +15,7 @@ namespace eti::devices {
 namespace {
 
 constexpr float first_interval = 1e-3f;  // [s]
-constexpr std::chrono::milliseconds publisher_patience{50};
+constexpr std::chrono::milliseconds publisher_timeout{50};
 
 }  // namespace
 
@@ -44,13 +44,13 @@ std::optional<OutgoingPose> HapticCycle::run(std::int64_t now, bool stop) {
     if (scene->proxy_arrived != 0) {
         seen_ = scene->seen;
         seen_.time = time_.at(*scene, now);
-        sensor_.look(seen_);
+        sensor_.observe(seen_);
     }
     wrench_ = renderer_.cycle(device_.motion, *scene, now, elapsed);
     if (stop || !device_.present) {
         wrench_ = {};
         renderer_.release();
-        record_.stopped_cycles += stop ? 1 : 0;
+        record_.emergency_stop_cycles += stop ? 1 : 0;
         record_.absent_cycles += device_.present ? 0 : 1;
     }
     record_.computing.record(monotonic_ns() - started);
@@ -86,7 +86,7 @@ HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>
     }
     std::binary_semaphore started{0};
     loop_ = std::thread([this, &started] {
-        priority_refusal_ = become_real_time(priority::loop);
+        priority_refusal_ = set_real_time_priority(priority::loop);
         started.release();
         run();
     });
@@ -116,16 +116,16 @@ void HapticLoop::run() {
         sleep_until_ns(next);
         const std::int64_t now = monotonic_ns();
         if (now < next) {
-            continue;  // a signal woke it early
+            continue;  // woken early by a signal
         }
         cycle(now);
-        // Cycles that were missed are not made up for: the device has moved on.
+        // Missed cycles are not repeated: the device has moved.
         next += period_ns * (1 + (now - next) / period_ns);
     }
 }
 
 void HapticLoop::cycle(std::int64_t now) {
-    if (const auto pose = cycle_.run(now, panic_.load(std::memory_order_relaxed))) {
+    if (const auto pose = cycle_.run(now, emergency_stop_.load(std::memory_order_relaxed))) {
         outgoing_.write(*pose);
         posted_.release();
     }
@@ -138,11 +138,11 @@ void HapticLoop::servo_cycle() noexcept {
 }
 
 void HapticLoop::publish() {
-    (void)become_real_time(priority::bus);
+    (void)set_real_time_priority(priority::bus);
     msg::ToolPose message;
     const OutgoingPose* pose = nullptr;
     while (!ending_.load(std::memory_order_relaxed)) {
-        if (!posted_.try_acquire_for(publisher_patience) || !outgoing_.read(pose)) {
+        if (!posted_.try_acquire_for(publisher_timeout) || !outgoing_.read(pose)) {
             continue;
         }
         message.header(bus::make_header(pose->simulation_ns, static_cast<std::uint32_t>(published_)));

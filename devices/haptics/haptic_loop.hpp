@@ -23,8 +23,8 @@ struct OutgoingPose {
     std::uint64_t simulation_ns = 0;
 };
 
-/// Simulation time as seen now, from the last message: carried on by the clock at the simulation's
-/// pace for at most two steps, and never back within a session.
+/// Simulation time now: the time of the last message, extrapolated at the simulation's pace for at most two
+/// steps. Never decreases within a session.
 class SimulationTime {
   public:
     [[nodiscard]] double at(const SceneState& scene, std::int64_t now);
@@ -34,29 +34,29 @@ class SimulationTime {
     std::uint32_t session_ = 0;
 };
 
-/// What a cycle did; kept by the loop's thread, read when it has ended.
+/// Statistics of the cycles; written by the loop's thread, read after it has ended.
 struct HapticRecord {
     CycleStatistics intervals;
     CycleStatistics computing;         // time that a cycle took, without the exchange with the device
     CycleStatistics messages{50'000};  // between arrivals of successive messages, as cycles saw them
     double force_sum = 0.0;            // [N], over cycles
     float force_max = 0.0f;            // [N]
-    std::uint64_t stale_cycles = 0;    // with less than all force for want of messages
+    std::uint64_t stale_cycles = 0;    // with reduced force for lack of messages
     std::uint64_t engaged_cycles = 0;
-    std::uint64_t absent_cycles = 0;   // without a device to go by
-    std::uint64_t stopped_cycles = 0;  // by the panic key
-    std::int64_t last_message = 0;     // [ns], arrival of the newest ProxyState that a cycle saw
-    std::int64_t last_force = 0;       // [ns], newest cycle that gave the device any force
+    std::uint64_t absent_cycles = 0;          // without a present device
+    std::uint64_t emergency_stop_cycles = 0;  // during an emergency stop
+    std::int64_t last_message = 0;            // [ns], arrival of the newest ProxyState that a cycle saw
+    std::int64_t last_force = 0;              // [ns], newest cycle with a non-zero force
 };
 
-/// One cycle of the 1 kHz loop: read what is newest, let the hand look, render the force, exchange it
-/// for the device's pose, leave the pose for the bus. Needs no thread and reads no clock.
+/// One cycle of the 1 kHz loop: read the newest scene, pass the observation to the device, render the force,
+/// exchange it for the device's pose, and leave the pose for the bus. Needs no thread and reads no clock.
 class HapticCycle {
   public:
     HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings);
 
-    /// `now` [ns, CLOCK_MONOTONIC], at least as late as in the last call. `stop`: no force, whatever there is
-    /// to feel. Returns the pose to publish; nothing while there is no device to go by.
+    /// `now` [ns, CLOCK_MONOTONIC], non-decreasing. `stop`: zero force regardless of the scene. Returns the
+    /// pose to publish; nullopt while no device is present.
     std::optional<OutgoingPose> run(std::int64_t now, bool stop = false);
 
     [[nodiscard]] const Wrench& wrench() const { return wrench_; }
@@ -75,13 +75,13 @@ class HapticCycle {
     HapticRecord record_;
 };
 
-/// Runs the cycle at 1 kHz on a thread of its own, or on the device's servo thread where it has one, and
-/// the publishing of poses on another.
+/// Runs the cycle at 1 kHz on its own thread, or on the device's servo thread if it has one, and publishes
+/// poses on another thread.
 ///
-/// A DDS write takes locks and a system call and may take milliseconds on a loaded machine, so it has
-/// no place in the loop; the loop leaves the pose in a triple buffer and posts a semaphore, which
-/// never waits. The second thread, of lower priority, wakes on it, so a pose is as fresh on the bus as
-/// if the loop had sent it, and when publishing is held up, poses are skipped and not queued.
+/// A DDS write takes locks and a system call and may take milliseconds on a loaded machine, so it must not
+/// run in the loop. The loop leaves the pose in a triple buffer and posts a semaphore, which never blocks.
+/// The second thread, of lower priority, wakes on it, so poses are published without added delay. When
+/// publishing is slow, poses are skipped, not queued.
 class HapticLoop final : private ServoCycle {
   public:
     static constexpr std::int64_t period_ns = 1'000'000;
@@ -92,21 +92,22 @@ class HapticLoop final : private ServoCycle {
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
-    void stop();  ///< ends both threads; the last wrench given to the device is zero
+    void stop();  ///< ends both threads; the last wrench sent to the device is zero
 
-    /// No force from the next cycle on, until `off` is false again; then it takes quiet cycles and the ramp.
-    void panic(bool off) { panic_.store(off, std::memory_order_relaxed); }
+    /// Removes the force from the next cycle until called with false; force then re-engages after quiet
+    /// cycles and by the ramp.
+    void set_emergency_stop(bool off) { emergency_stop_.store(off, std::memory_order_relaxed); }
 
-    /// [N], that the hand feels now.
+    /// Current force on the hand [N].
     [[nodiscard]] float force() const { return force_.load(std::memory_order_relaxed); }
-    /// Cycles so far; who watches sees by them that the loop does not hang.
+    /// Cycles so far; a watchdog checks that the number increases.
     [[nodiscard]] std::uint64_t cycles() const { return cycles_.load(std::memory_order_relaxed); }
-    /// After stop().
+    /// Call after stop().
     [[nodiscard]] const HapticCycle& cycle() const { return cycle_; }
     [[nodiscard]] std::uint64_t published() const { return published_; }
-    /// The device's own thread runs the cycle.
+    /// Whether the device's own thread runs the cycle.
     [[nodiscard]] bool on_servo() const { return on_servo_; }
-    /// Empty when the loop has a real-time priority, or is not ours to give one; else why not.
+    /// Why the loop has no real-time priority; empty if it has one, or if the thread is the device's.
     [[nodiscard]] const std::string& priority_refusal() const { return priority_refusal_; }
 
   private:
@@ -120,7 +121,7 @@ class HapticLoop final : private ServoCycle {
     bus::Publisher<msg::ToolPose> topic_;
     TripleBuffer<OutgoingPose> outgoing_;
     std::counting_semaphore<> posted_{0};
-    std::atomic<bool> ending_{false}, panic_{false};
+    std::atomic<bool> ending_{false}, emergency_stop_{false};
     std::atomic<float> force_{0.0f};
     std::atomic<std::uint64_t> cycles_{0};
     bool on_servo_ = false;

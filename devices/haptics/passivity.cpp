@@ -18,7 +18,7 @@ Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, fl
     if (any_) {
         const Vec3f way = device.pose.translation - pose_.translation;
         const Vec3f turn = rotation_vector(device.pose.rotation * pose_.rotation.conjugate());
-        stored_ = std::min(stored_ - work(last_, way, turn), static_cast<double>(settings_.most_stored));
+        stored_ = std::min(stored_ - work(last_, way, turn), static_cast<double>(settings_.max_stored));
         dissipated_ -= work(damping_, way, turn);
         lowest_ = std::min(lowest_, stored_);
     }
@@ -36,7 +36,7 @@ Wrench PassivityController::apply(const Wrench& wanted, const Motion& device, fl
     const float arm2 = settings_.arm * settings_.arm;
     const float speed2 = device.velocity.squaredNorm() + arm2 * device.angular_velocity.squaredNorm();
     if (settings_.on && stored_ < 0.0 && speed2 > 0.0f && dt > 0.0f) {
-        const float damping = std::min(static_cast<float>(-stored_) / (dt * speed2), settings_.most_damping);
+        const float damping = std::min(static_cast<float>(-stored_) / (dt * speed2), settings_.max_damping);
         damping_ = {-damping * device.velocity, -damping * arm2 * device.angular_velocity};
         ++active_;
     }

@@ -12,7 +12,7 @@ namespace eti::devices {
 
 namespace {
 
-// Sweeps over the planes. Two planes at 60 deg reach the corner to 1/16 in 4, more obtuse ones faster.
+// Gauss-Seidel sweeps over the planes. Two planes at 60 deg converge to 1/16 in 4, more obtuse ones faster.
 constexpr int sweeps = 4;
 
 Vec3f beyond(const Vec3f& v, float most) {
@@ -20,14 +20,14 @@ Vec3f beyond(const Vec3f& v, float most) {
     return length > most ? Vec3f(v * (1.0f - most / length)) : Vec3f(Vec3f::Zero());
 }
 
-/// Of `offset`, what is left when the device has gone `way` since: nothing once it has gone all of it.
+/// Remainder of `offset` after the device has moved by `way`: zero once it has moved by all of it.
 Vec3f used_up(const Vec3f& offset, const Vec3f& way) {
     const float length = offset.norm();
     return length > 0.0f ? Vec3f(offset * std::clamp(1.0f - way.dot(offset) / (length * length), 0.0f, 1.0f))
                          : offset;
 }
 
-/// `point` and its `velocity`, kept on the free side of planes through `origin`.
+/// Projects `point` and its `velocity` to the free side of planes through `origin`.
 void keep_off(std::span<const Vec3f> normals, const Vec3f& origin, Vec3f& point, Vec3f& velocity) {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (const Vec3f& n : normals) {
@@ -40,8 +40,8 @@ void keep_off(std::span<const Vec3f> normals, const Vec3f& origin, Vec3f& point,
     }
 }
 
-/// Of `offset`, what no plane accounts for.
-Vec3f besides(std::span<const Vec3f> normals, Vec3f offset) {
+/// The part of `offset` that no plane explains.
+Vec3f residual_offset(std::span<const Vec3f> normals, Vec3f offset) {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (const Vec3f& n : normals) {
             offset -= std::max(0.0f, offset.dot(n)) * n;
@@ -54,8 +54,8 @@ Vec3f turn_of(const RigidTransform& to, const RigidTransform& from) {
     return rotation_vector(to.rotation * from.rotation.conjugate());
 }
 
-/// The axes about which turning takes the contacts' centre off the planes; none where they push through the
-/// tool's origin. `axes` holds as many as there are normals; returns how many were found.
+/// Axes of rotation that move the contacts' centre off the planes; none where the planes push through the
+/// tool's origin. `axes` has as many entries as there are normals; returns the number found.
 std::size_t turning_axes(const ProxyReport& report, std::span<Vec3f> axes) {
     constexpr float shortest_arm = 1e-3f;  // [m]
     const Vec3f arm = report.contact_centre - report.proxy.pose.translation;
@@ -72,7 +72,7 @@ std::size_t turning_axes(const ProxyReport& report, std::span<Vec3f> axes) {
 }  // namespace
 
 Speeds RecentSpeeds::update(const Motion& device, bool touching, float dt) {
-    // The present speed first: it takes the place of NaN.
+    // The current speed comes first: it replaces NaN.
     const float kept = std::exp(-dt / memory_);
     recent_.moving = std::max(device.velocity.norm(), kept * recent_.moving);
     recent_.turning = std::max(device.angular_velocity.norm(), kept * recent_.turning);
@@ -92,7 +92,7 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
     Vec3f turned = turn_of(report.proxy.pose, report.device);
     const std::span<const Vec3f> normals = report.contact_normals();
     if (normals.empty()) {
-        const float step = step_duration / std::max(pace, bounds.slowest_pace);
+        const float step = step_duration / std::max(pace, bounds.min_real_time_factor);
         offset = beyond(offset, step * std::max(device.velocity.norm(), lately.moving));
         turned = beyond(turned, step * std::max(device.angular_velocity.norm(), lately.turning));
         if (held) {
@@ -104,8 +104,8 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
             device.velocity,
             device.angular_velocity};
     }
-    // What holds the proxy off the device besides the planes (friction) is kept.
-    offset = besides(normals, offset);
+    // Keep the offset from the device that the planes do not explain (friction).
+    offset = residual_offset(normals, offset);
     Vec3f position = device.pose.translation + (held ? used_up(offset, way) : offset);
     Vec3f velocity = device.velocity;
     keep_off(normals, report.proxy.pose.translation, position, velocity);
@@ -114,10 +114,10 @@ std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& r
     if (!held) {
         return Motion{{anchor, position}, velocity, report.proxy.angular_velocity};
     }
-    std::array<Vec3f, ProxyReport::most_contacts> all;
+    std::array<Vec3f, ProxyReport::max_contacts> all;
     const std::span<const Vec3f> axes(all.data(), turning_axes(report, all));
-    turned =
-        rotation_vector(device.pose.rotation * anchor.conjugate()) + used_up(besides(axes, turned), turn);
+    turned = rotation_vector(device.pose.rotation * anchor.conjugate()) +
+             used_up(residual_offset(axes, turned), turn);
     Vec3f turning = device.angular_velocity;
     keep_off(axes, Vec3f::Zero(), turned, turning);
     return Motion{{(quaternion_from(turned) * anchor).normalized(), position}, velocity, turning};

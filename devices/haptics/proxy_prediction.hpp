@@ -8,19 +8,18 @@
 
 namespace eti::devices {
 
-/// How far a reported proxy is carried on.
+/// Limits of the extrapolation of a reported proxy.
 struct PredictionBounds {
-    /// [m] that the device may have moved since the pose the report answers to. Beyond it the report
-    /// is about another device, or about another place: no plane of an infant's mouth is larger.
+    /// [m], maximum motion of the device since the pose that the report answers. A larger motion means
+    /// another device or another place: no plane of an infant's mouth is larger.
     float travel = 0.030f;
-    float slowest_pace = 0.1f;    ///< below it a proxy is not taken to trail any farther
-    float turning_time = 0.012f;  ///< [s] of angular velocity while in contact; two simulation steps
-    /// [s], after which a speed that the device once had counts for 1/e. Longer than a late report is under
-    /// way (50 ms) and the proxy then takes to catch up (30 ms); what is left of 0.2 m/s after that pulls
-    /// with less than 0.1 N.
+    float min_real_time_factor = 0.1f;  ///< below it, the proxy's lag does not increase
+    float turning_time = 0.012f;        ///< [s] of angular velocity while in contact; two simulation steps
+    /// [s], time constant (1/e) of the memory of past speeds. It exceeds the delay of a late report (50 ms)
+    /// plus the proxy's time to catch up (30 ms). What then remains of 0.2 m/s pulls with less than 0.1 N.
     float speed_memory = 0.1f;
-    /// [s] that nothing must have been touched for before an old speed counts. While a limit cycle lasts, a
-    /// pressed proxy lifts off its contact for a step again and again, and what holds it is felt.
+    /// [s] without contact before a past speed counts. In a limit cycle, a pressed proxy repeatedly lifts off
+    /// its contact for a step, and its offset must still be felt.
     float untouched_time = 0.25f;
 };
 
@@ -29,14 +28,14 @@ struct Speeds {
     float turning = 0.0f;  ///< [rad/s]
 };
 
-/// How fast a device in free air has lately been.
+/// Recent speeds of a device in free air.
 class RecentSpeeds {
   public:
     explicit RecentSpeeds(const PredictionBounds& bounds)
         : memory_(bounds.speed_memory), untouched_time_(bounds.untouched_time) {}
 
-    /// `touching`: by the newest report, shell or tissue. Returns no speed until nothing has been touched for
-    /// long enough.
+    /// `touching`: shell or tissue contact in the newest report. Returns zero speeds until there has been no
+    /// contact for long enough.
     Speeds update(const Motion& device, bool touching, float dt);
 
   private:
@@ -45,24 +44,25 @@ class RecentSpeeds {
     float untouched_ = 0.0f;  // [s]
 };
 
-/// Where the proxy is now, from the last report and how the device has moved since: nullopt when
-/// out of bounds.
+/// Current proxy motion, predicted from the last report and the device's motion since; nullopt when out of
+/// bounds.
 ///
-/// A free proxy follows the device, so it is moved as the device moved; a report that is late by any
-/// time within the bounds then drags nothing. In the simulation it may trail the device by up to a
-/// step's motion, for it has mass; nothing holds it there, so that much of its distance is left out.
-/// More than that is kept: a pressed proxy may lift off its contact for a step. A report is about a while
-/// ago, when a device that has stopped since was still moving: the step's motion is by the faster of its
-/// present speed and `lately`, so that a stop in free air is not pulled on. A proxy in contact is held by
-/// planes through its reported place, one per contact normal (the local model of Adachi, Kumano & Ogino,
-/// VRAIS 1995): it slides along them and stays on them while the device is behind, so the wall acts at the
-/// loop's rate and gives back no more than was put in. `age` [s]: since the report arrived, in simulation
-/// time; `pace`: simulation seconds per second.
+/// A free proxy follows the device, so it is moved as the device moved; a report of any delay within the
+/// bounds then causes no drag. In the simulation the proxy has mass and may lag the device by up to one
+/// step's motion without any contact, so that much of its offset is ignored. A larger offset is kept: a
+/// pressed proxy may lift off its contact for a step. A report describes the past, when a device that has
+/// stopped since was still moving. The step's motion is therefore based on the larger of its current speed
+/// and `lately`, so that a stop in free air causes no pull.
 ///
-/// `held`: messages are missing, and what the report tells stands still and only resists. Turning is held
-/// as places are, by what turns the contacts' centre into the planes. What held the proxy off the device
-/// besides the planes is used up by as much as the device goes along it, so that it pushes to where it was
-/// reported and not on and on.
+/// A proxy in contact is constrained by planes through its reported position, one per contact normal (the
+/// local model of Adachi, Kumano & Ogino, VRAIS 1995). It slides along them and stays on them while the
+/// device is behind. The wall thus responds at the loop's rate and returns no more energy than it absorbed.
+/// `age` [s]: since the report arrived, in simulation time; `pace`: simulation seconds per second.
+///
+/// `held`: messages are missing; the reported state is frozen and only resists. Rotation is constrained like
+/// translation, about the axes that turn the contacts' centre into the planes. The offset from the device
+/// that the planes do not explain shrinks as the device moves along it. It thus pushes the device to the
+/// reported position and no farther.
 [[nodiscard]] std::optional<Motion> predicted_proxy(const Motion& device, const ProxyReport& report,
                                                     float age, float pace, const PredictionBounds& bounds,
                                                     const Speeds& lately = {}, bool held = false);

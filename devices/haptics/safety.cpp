@@ -14,7 +14,7 @@ Vec3f approached(const Vec3f& last, const Vec3f& wanted, float most) {
     return length > most ? Vec3f(last + way * (most / length)) : wanted;
 }
 
-/// `force` without its part along `part`, of which no more than `part` itself.
+/// `force` without its component along `part`, limited to `part` itself.
 Vec3f without(const Vec3f& force, const Vec3f& part) {
     const float length = part.norm();
     if (length <= 0.0f) {
@@ -27,15 +27,15 @@ Vec3f without(const Vec3f& force, const Vec3f& part) {
 }  // namespace
 
 float Freshness::update(float age) {
-    // By the age and not by the cycles, which may come late themselves.
+    // By the age, not by the number of cycles, which may be late themselves.
     const float held = settings_.stale_after();
     const float left = (settings_.silence_limit - age) / (settings_.silence_limit - held);
     share_ = age >= 0.0f ? std::clamp(left, 0.0f, 1.0f) : 0.0f;
     return share_;
 }
 
-Wrench Regrowth::update(const Wrench& wanted, const Wrench& exerted, bool after_gap, float dt,
-                        const CouplingSettings& coupling) {
+Wrench ForceRecoveryRamp::update(const Wrench& wanted, const Wrench& exerted, bool after_gap, float dt,
+                                 const CouplingSettings& coupling) {
     if (after_gap) {
         lacking_ = {without(wanted.force, exerted.force), without(wanted.torque, exerted.torque)};
     }
@@ -45,7 +45,7 @@ Wrench Regrowth::update(const Wrench& wanted, const Wrench& exerted, bool after_
     return {without(wanted.force, lacking_.force), without(wanted.torque, lacking_.torque)};
 }
 
-bool Regrowth::growing() const {
+bool ForceRecoveryRamp::active() const {
     constexpr float force = 0.05f, torque = 0.0025f;  // [N], [N m] at 50 mm
     return lacking_.force.norm() > force || lacking_.torque.norm() > torque;
 }

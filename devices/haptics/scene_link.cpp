@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "devices/haptics/timing.hpp"
 
 namespace eti::devices {
@@ -16,22 +16,22 @@ namespace {
 
 using bus::from_msg;
 
-constexpr std::chrono::milliseconds poll_interval{5};  // for what nothing rings
-// Another session has begun when simulation time falls back by more than late messages account for.
+constexpr std::chrono::milliseconds poll_interval{5};  // for topics that do not notify
+// A new session has begun when simulation time falls back by more than late messages explain.
 constexpr std::uint64_t session_gap_ns = 500'000'000;
-constexpr std::int64_t silence_ns = 500'000'000;  // worth a message to the person at the terminal
+constexpr std::int64_t silence_ns = 500'000'000;  // reported to the user
 constexpr std::int64_t pace_window_ns = 250'000'000;
-constexpr float fastest_pace = 4.0f;
-constexpr float most_force = 1000.0f;  // [N]; more is a fault of the sender
-constexpr float most_speed = 100.0f;   // [m/s], [rad/s]
-// [ns], thirty years; later times are a fault of the sender and would not fit where seconds are counted.
-constexpr std::uint64_t most_simulation_ns = 1'000'000'000'000'000'000;
+constexpr float max_real_time_factor = 4.0f;
+constexpr float max_force = 1000.0f;  // [N]; a larger one is a sender's fault
+constexpr float max_speed = 100.0f;   // [m/s], [rad/s]
+// [ns], thirty years; later times are a sender's fault and would overflow where seconds are counted.
+constexpr std::uint64_t max_simulation_ns = 1'000'000'000'000'000'000;
 
 bool is_motion(const msg::ProxyState& m) {
     // Written so that NaN is too fast too.
     return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) &&
-           from_msg(m.velocity()).norm() < most_speed && from_msg(m.angular_velocity()).norm() < most_speed &&
-           m.header().simulation_time_ns() < most_simulation_ns &&
+           from_msg(m.velocity()).norm() < max_speed && from_msg(m.angular_velocity()).norm() < max_speed &&
+           m.header().simulation_time_ns() < max_simulation_ns &&
            std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
                return bus::is_finite(c.position()) && std::isfinite(c.force()) &&
                       std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
@@ -39,17 +39,17 @@ bool is_motion(const msg::ProxyState& m) {
 }
 
 bool is_tissue(const msg::TissueContacts& m) {
-    return from_msg(m.force()).norm() < most_force && from_msg(m.torque()).norm() < most_force &&
+    return from_msg(m.force()).norm() < max_force && from_msg(m.torque()).norm() < max_force &&
            std::ranges::all_of(m.contacts(),
                                [](const msg::TissueContactPoint& c) {
                                    return bus::is_finite(c.position()) && bus::is_finite(c.rest()) &&
-                                          from_msg(c.force()).norm() < most_force &&
+                                          from_msg(c.force()).norm() < max_force &&
                                           std::isfinite(c.radius()) && c.tissue() < tissue_count;
                                }) &&
            bus::is_valid(m.proxy());
 }
 
-/// Of the first `count` contacts, weighted by their forces; of all alike where there is no force.
+/// Force-weighted centre of the first `count` contacts; the mean where there is no force.
 Vec3f centre_of(const std::vector<msg::ShellContact>& contacts, std::size_t count) {
     Vec3f weighted = Vec3f::Zero(), plain = Vec3f::Zero();
     float force = 0.0f;
@@ -65,20 +65,20 @@ Vec3f centre_of(const std::vector<msg::ShellContact>& contacts, std::size_t coun
 
 }  // namespace
 
-SceneLink::SceneLink(bus::Node& node, Feel feel)
+SceneLink::SceneLink(bus::Node& node, ForceSource feel)
     : node_(node),
       proxy_topic_(node, bus::topics::proxy),
       live_topic_(node, bus::topics::live_metrics),
       description_topic_(node, bus::topics::session_description),
       status_topic_(node, bus::topics::session_status) {
-    if (feel == Feel::tissue) {
+    if (feel == ForceSource::tissue) {
         tissue_topic_.emplace(node, bus::topics::tissue_contacts);
-        tissue_topic_->ring(bell_);
-    } else if (feel == Feel::tube) {
+        tissue_topic_->notify(wait_set_);
+    } else if (feel == ForceSource::tube) {
         tube_topic_.emplace(node, bus::topics::tube_force);
-        tube_topic_->ring(bell_);
+        tube_topic_->notify(wait_set_);
     }
-    proxy_topic_.ring(bell_);
+    proxy_topic_.notify(wait_set_);
     thread_ = std::thread([this] { run(); });
 }
 
@@ -87,24 +87,24 @@ SceneLink::~SceneLink() {
     thread_.join();
 }
 
-std::optional<Surroundings> SceneLink::surroundings() const {
+std::optional<InitialScene> SceneLink::initial_scene() const {
     const std::lock_guard lock(mutex_);
     const bool known =
-        seen_landmarks_ && surroundings_.blade_length > 0.0f && surroundings_.grip_to_tip > 0.0f;
-    return known ? std::optional(surroundings_) : std::nullopt;
+        seen_landmarks_ && initial_scene_.blade_length > 0.0f && initial_scene_.grip_to_tip > 0.0f;
+    return known ? std::optional(initial_scene_) : std::nullopt;
 }
 
 void SceneLink::run() {
     while (!ending_.load(std::memory_order_relaxed)) {
-        // Each at once: the proxy leaves the server before the tissue's forces are known.
-        (void)bell_.wait(poll_interval);
+        // Wake on each message: the server sends the proxy before the tissue's forces are known.
+        (void)wait_set_.wait(poll_interval);
         bool changed = take_proxy();
         changed = take_tissue() || changed;
         changed = take_tube() || changed;
         take_description();
         changed = take_live() || changed;
         take_status();
-        changed = doubt() || changed;
+        changed = discard_if_contested() || changed;
         if (changed) {
             newest_.write(state_);
         }
@@ -112,7 +112,7 @@ void SceneLink::run() {
     }
 }
 
-bool SceneLink::doubt() {
+bool SceneLink::discard_if_contested() {
     if (!node_.contested()) {
         return false;
     }
@@ -141,11 +141,11 @@ bool SceneLink::take_proxy() {
         pace_arrived_ = 0;
     }
     simulation_ns_ = simulation_ns;
-    measure_pace(simulation_ns, now);
+    measure_real_time_factor(simulation_ns, now);
     state_.proxy.proxy = {from_msg(proxy_.proxy()), from_msg(proxy_.velocity()),
                           from_msg(proxy_.angular_velocity())};
     state_.proxy.device = from_msg(proxy_.device());
-    state_.proxy.contacts = std::min(proxy_.contacts().size(), ProxyReport::most_contacts);
+    state_.proxy.contacts = std::min(proxy_.contacts().size(), ProxyReport::max_contacts);
     for (std::size_t i = 0; i < state_.proxy.contacts; ++i) {
         state_.proxy.normals[i] = from_msg(proxy_.contacts()[i].normal()).normalized();
     }
@@ -157,14 +157,15 @@ bool SceneLink::take_proxy() {
     return true;
 }
 
-void SceneLink::measure_pace(std::uint64_t simulation_ns, std::int64_t now) {
+void SceneLink::measure_real_time_factor(std::uint64_t simulation_ns, std::int64_t now) {
     const std::int64_t passed = now - pace_arrived_;
     if (pace_arrived_ != 0 && passed < pace_window_ns) {
         return;
     }
     if (pace_arrived_ != 0 && simulation_ns >= pace_simulation_ns_ && passed < 4 * pace_window_ns) {
         const auto simulated = static_cast<double>(simulation_ns - pace_simulation_ns_);
-        state_.pace = std::min(static_cast<float>(simulated / static_cast<double>(passed)), fastest_pace);
+        state_.pace =
+            std::min(static_cast<float>(simulated / static_cast<double>(passed)), max_real_time_factor);
     }
     pace_simulation_ns_ = simulation_ns;
     pace_arrived_ = now;
@@ -179,7 +180,7 @@ bool SceneLink::take_tissue() {
     }
     TissueReport& report = state_.tissue;
     report.wrench = {from_msg(tissue_.force()), from_msg(tissue_.torque())};
-    report.count = std::min(tissue_.contacts().size(), TissueReport::most_points);
+    report.count = std::min(tissue_.contacts().size(), TissueReport::max_points);
     for (std::size_t i = 0; i < report.count; ++i) {
         const msg::TissueContactPoint& c = tissue_.contacts()[i];
         report.points[i] = {from_msg(c.position()), from_msg(c.rest()), c.radius(),
@@ -198,7 +199,7 @@ bool SceneLink::take_tube() {
         return false;
     }
     const Wrench wrench{from_msg(tube_.force()), from_msg(tube_.torque())};
-    if (!(wrench.force.norm() < most_force && wrench.torque.norm() < most_force)) {
+    if (!(wrench.force.norm() < max_force && wrench.torque.norm() < max_force)) {
         return refuse(state_.tissue_arrived);
     }
     state_.tissue.wrench = wrench;
@@ -210,7 +211,7 @@ bool SceneLink::take_live() {
     if (!live_topic_.take_latest(live_)) {
         return false;
     }
-    // Without the description nothing tells which landmark is which.
+    // Without the description, the landmarks' order is unknown.
     if (!keys_) {
         return false;
     }
@@ -225,8 +226,8 @@ bool SceneLink::take_live() {
     state_.seen.tube_tip = from_msg(live_.tube_tip());
     state_.seen.tube_depth_past_glottis = live_.tube_depth_past_glottis();
     const std::lock_guard lock(mutex_);
-    surroundings_.seen = state_.seen;
-    surroundings_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
+    initial_scene_.seen = state_.seen;
+    initial_scene_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
     seen_landmarks_ = true;
     return true;
 }
@@ -240,16 +241,16 @@ void SceneLink::take_description() {
             spdlog::warn("the session's description cannot be right: {}", why);
             continue;
         }
-        if (!keys->unlike().empty()) {
-            spdlog::warn("{}", keys->unlike());
+        if (!keys->key_mismatch().empty()) {
+            spdlog::warn("{}", keys->key_mismatch());
         }
         state_.blade = keys->laryngoscope().capsules;
         state_.seen.tube_depth_rule = static_cast<float>(tube_depth_by_weight(keys->patient_weight()));
         {
             const std::lock_guard lock(mutex_);
-            surroundings_.blade_length = keys->laryngoscope().blade_length;
-            surroundings_.grip_to_tip = keys->tube().grip_from_tip;
-            surroundings_.tube_curvature = 1.0f / keys->tube().curve_radius;
+            initial_scene_.blade_length = keys->laryngoscope().blade_length;
+            initial_scene_.grip_to_tip = keys->tube().grip_from_tip;
+            initial_scene_.tube_curvature = 1.0f / keys->tube().curve_radius;
         }
         keys_ = std::move(keys);
     }

@@ -8,37 +8,37 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/session_keys.hpp"
+#include "common/bus/security/session_keys.hpp"
 #include "devices/haptics/scene_state.hpp"
 #include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
-/// What a scripted hand needs before it can begin.
-struct Surroundings {
+/// Scene data that a scripted hand needs to start.
+struct InitialScene {
     Observation seen;
     float blade_length = 0.0f;    ///< [m]
     float grip_to_tip = 0.0f;     ///< [m], of the tube
     float tube_curvature = 0.0f;  ///< [1/m]
 };
 
-/// Follows the server over the bus on a thread of its own and leaves the newest scene in a triple
-/// buffer for the device's loop. Messages are checked here: what is not finite is dropped and counted; of
-/// proxy, tissue and tube, what came before it counts no more, so that its force ends at once.
+/// Receives the server's messages on its own thread and leaves the newest scene in a triple buffer for the
+/// device's loop. Non-finite messages are dropped and counted. For proxy, tissue and tube, such a message
+/// also invalidates earlier ones, so that their force ends at once.
 class SceneLink {
   public:
-    /// What of the scene a device needs besides the proxy.
-    enum class Feel : std::uint8_t { nothing, tissue, tube };
-    SceneLink(bus::Node& node, Feel feel);
+    /// Source of force that a device needs besides the proxy.
+    enum class ForceSource : std::uint8_t { nothing, tissue, tube };
+    SceneLink(bus::Node& node, ForceSource feel);
     ~SceneLink();
     SceneLink(const SceneLink&) = delete;
     SceneLink& operator=(const SceneLink&) = delete;
 
-    /// For the one thread that runs the device's loop.
+    /// For the thread that runs the device's loop.
     [[nodiscard]] TripleBuffer<SceneState>& newest() { return newest_; }
 
-    /// Known once the scene's tools and a first set of landmarks have come.
-    [[nodiscard]] std::optional<Surroundings> surroundings() const;
+    /// Known once the scene's tools and a first set of landmarks have arrived.
+    [[nodiscard]] std::optional<InitialScene> initial_scene() const;
     [[nodiscard]] bool finished() const { return finished_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t received() const { return received_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
@@ -46,11 +46,11 @@ class SceneLink {
 
   private:
     void run();
-    /// Counts a message that is not to be believed and forgets when the last one `arrived`; true: this
-    /// changed.
+    /// Counts an invalid message and clears the arrival time `arrived` of the last one; true if that changed
+    /// it.
     bool refuse(std::int64_t& arrived);
-    /// Where two claim to be the server, what came counts no more; true: this changed.
-    bool doubt();
+    /// Discards received data while two participants claim to be the server; true if that changed anything.
+    bool discard_if_contested();
     bool take_proxy();
     bool take_tissue();
     bool take_tube();
@@ -58,10 +58,10 @@ class SceneLink {
     void take_description();
     void take_status();
     void watch_silence(std::int64_t now);
-    void measure_pace(std::uint64_t simulation_ns, std::int64_t now);
+    void measure_real_time_factor(std::uint64_t simulation_ns, std::int64_t now);
 
     bus::Node& node_;
-    bus::Bell bell_;
+    bus::WaitSet wait_set_;
     bus::Subscriber<msg::ProxyState> proxy_topic_;
     std::optional<bus::Subscriber<msg::TissueContacts>> tissue_topic_;
     std::optional<bus::Subscriber<msg::TubeForce>> tube_topic_;
@@ -75,18 +75,18 @@ class SceneLink {
     msg::SessionDescription description_;
     msg::SessionStatus status_;
 
-    std::optional<bus::SessionKeys> keys_;  // once the session has described itself
+    std::optional<bus::SessionKeys> keys_;  // once the description has arrived
     SceneState state_;
     std::uint64_t simulation_ns_ = 0;  // of the last ProxyState
-    // Where the measurement of the pace began.
+    // Start of the measurement of the pace.
     std::uint64_t pace_simulation_ns_ = 0;
     std::int64_t pace_arrived_ = 0;
     std::int64_t heard_ = 0;  // arrival of the last ProxyState [ns, CLOCK_MONOTONIC]
     bool silent_ = false, frozen_ = false;
     TripleBuffer<SceneState> newest_;
 
-    mutable std::mutex mutex_;  // guards what follows, read at start-up only
-    Surroundings surroundings_;
+    mutable std::mutex mutex_;  // guards the following, read at start-up only
+    InitialScene initial_scene_;
     bool seen_landmarks_ = false;
 
     std::atomic<bool> ending_{false}, finished_{false};

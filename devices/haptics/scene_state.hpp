@@ -9,13 +9,13 @@
 
 #include "common/device/coupling.hpp"
 #include "common/model/tissue.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 #include "common/operator/operator.hpp"
 #include "idl/eti_wire.hpp"
 
 namespace eti::devices {
 
-/// Eigen's vectors start with whatever was in memory.
+/// Eigen leaves vectors uninitialised.
 template <std::size_t count>
 [[nodiscard]] std::array<Vec3f, count> all_zero() {
     std::array<Vec3f, count> out;
@@ -25,11 +25,11 @@ template <std::size_t count>
 
 /// The proxy as the server last reported it.
 struct ProxyReport {
-    static constexpr std::size_t most_contacts = msg::bound::ProxyState_contacts;
+    static constexpr std::size_t max_contacts = msg::bound::ProxyState_contacts;
     Motion proxy;           ///< velocities per simulation second
-    RigidTransform device;  ///< the device's pose that the proxy answers to
-    std::array<Vec3f, most_contacts> normals =
-        all_zero<most_contacts>();  ///< from the shell to the proxy, unit
+    RigidTransform device;  ///< the device's pose that the proxy answers
+    std::array<Vec3f, max_contacts> normals =
+        all_zero<max_contacts>();  ///< from the shell to the proxy, unit
     std::size_t contacts = 0;
     Vec3f contact_centre = Vec3f::Zero();  ///< [m], of the contacts, weighted by their forces
 
@@ -45,28 +45,28 @@ struct TissuePoint {
     Vec3f force = Vec3f::Zero();  ///< [N], of the particle on the blade
 };
 
-/// What the tissue does to the blade, as last reported.
+/// The tissue's load on the blade, as last reported.
 struct TissueReport {
-    static constexpr std::size_t most_points = msg::bound::TissueContacts_contacts;
+    static constexpr std::size_t max_points = msg::bound::TissueContacts_contacts;
     Wrench wrench;  ///< on the blade, about the proxy's origin; or of a tube on the hand, about its grip
-    RigidTransform proxy;  ///< the blade's pose that all this is about
-    std::array<TissuePoint, most_points> points{};
+    RigidTransform proxy;  ///< the blade's pose for all of this
+    std::array<TissuePoint, max_points> points{};
     std::size_t count = 0;
-    float represents = 1.0f;  ///< contacts that each point stands for, where the message could not hold all
+    float represents = 1.0f;  ///< number of contacts per point, where the message could not hold all
 
     [[nodiscard]] std::span<const TissuePoint> touching() const { return {points.data(), count}; }
 };
 
-/// The newest of everything that the 1 kHz loop may know about the scene. Times "arrived" are
-/// CLOCK_MONOTONIC [ns]; 0: nothing has arrived yet, or last something that is not to be believed.
+/// The newest scene data for the 1 kHz loop. Arrival times are CLOCK_MONOTONIC [ns]; 0: nothing has arrived
+/// yet, or the last message was invalid.
 struct SceneState {
     ProxyReport proxy;
     std::int64_t proxy_arrived = 0;
     TissueReport tissue;
     std::int64_t tissue_arrived = 0;
     Observation seen;                ///< its time is that of the last ProxyState
-    float pace = 1.0f;               ///< simulation seconds per second, under 1 when the server is late
-    std::uint32_t session = 0;       ///< counts sessions: another one began when it changes
+    float pace = 1.0f;               ///< simulation seconds per second, below 1 when the server is late
+    std::uint32_t session = 0;       ///< counts sessions: changes when another one begins
     std::array<Capsule, 3> blade{};  ///< the laryngoscope's capsules, in its frame
 };
 static_assert(std::is_trivially_destructible_v<SceneState>, "copied into a triple buffer, never allocating");

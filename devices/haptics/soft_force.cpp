@@ -67,7 +67,7 @@ Wrench displacement_wrench(std::span<const TissuePoint> points, std::span<const 
 }
 
 Wrench constraint_wrench(const TissueReport& report, const RigidTransform& pose) {
-    // [m], below which a displacement says nothing of stiffness: half of a small particle.
+    // [m], a smaller displacement does not determine stiffness: half of a small particle.
     constexpr float least_displacement = 0.5e-3f;
     Wrench out = report.wrench;
     const RigidTransform step = pose * report.proxy.inverse();

@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <numeric>
 
@@ -24,7 +25,8 @@ std::int64_t monotonic_ns() {
 
 void sleep_until_ns(std::int64_t when) {
     const timespec until{static_cast<time_t>(when / second_ns), static_cast<long>(when % second_ns)};
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+    }
 }
 
 void CycleStatistics::record(std::int64_t interval_ns) {

@@ -12,7 +12,8 @@ namespace eti::devices {
 /// Sleeps until `when` [ns, CLOCK_MONOTONIC]; a signal may end it early.
 void sleep_until_ns(std::int64_t when);
 
-/// Times between successive events, as the starts of cycles, in 20,000 bins; recording allocates nothing.
+/// Histogram of the intervals between successive events, such as starts of cycles, in 20,000 bins; recording
+/// allocates nothing.
 class CycleStatistics {
   public:
     explicit CycleStatistics(std::int64_t bin_ns = 1'000) : bin_ns_(bin_ns) {}
@@ -20,11 +21,11 @@ class CycleStatistics {
     void record(std::int64_t interval_ns);
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
-    /// [s], that a share `p` of the intervals does not exceed, to the bin but at most the longest; the
-    /// largest bin counts all beyond, of which the maximum tells.
+    /// [s], interval that a share `p` of the intervals does not exceed, to bin resolution, at most the
+    /// maximum. The last bin collects all longer intervals; see the maximum for those.
     [[nodiscard]] double percentile(double p) const;
     [[nodiscard]] double longest() const { return static_cast<double>(longest_) * 1e-9; }
-    /// Of the intervals, longer than `limit` [s].
+    /// Share of the intervals longer than `limit` [s].
     [[nodiscard]] double share_over(double limit) const;
 
   private:

@@ -13,14 +13,14 @@
 #include "common/mesh/distance_grid.hpp"
 #include "common/mesh/isosurface.hpp"
 #include "common/mesh/simplify.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
 
 namespace eti::devices {
 
 namespace {
 
-// Signed distances [m], negative inside; unions by min, cuts by max with the negative. Those of cuts are
-// bounds, which is enough for where they are zero.
+// Signed distances [m], negative inside; union by min, subtraction by max with the negative. Distances of
+// subtractions are bounds, which suffices for their zero set.
 
 float capsule(const Vec3f& p, const Vec3f& a, const Vec3f& b, float radius_a, float radius_b) {
     const Vec3f axis = b - a;
@@ -44,7 +44,7 @@ float box(const Vec3f& p, const Vec3f& low, const Vec3f& high) {
 template <class Shape>
 TriangleMesh surface_of(const Shape& shape, const Vec3f& low, const Vec3f& high, float spacing) {
     constexpr float border = 3.0f;      // nodes
-    constexpr float most_error = 0.1f;  // of the spacing, that fewer triangles may cost
+    constexpr float most_error = 0.1f;  // of the spacing, permitted for simplification
     DistanceGrid grid;
     grid.spacing = spacing;
     grid.origin = low - Vec3f::Constant(border * spacing);
@@ -79,7 +79,7 @@ TriangleMesh laryngoscope_part(const Laryngoscope& scope, const PartSettings& se
     }
     const Vec3f ball(0.0f, 0.0f, scope.blade_length - tip_ball_radius);
     const Vec3f up = Vec3f::UnitY();
-    // The bore comes in from the handle's upper end, where the device's arm has room.
+    // The bore enters at the handle's upper end, where the device's arm has room.
     const Vec3f top = handle.b + (handle.radius + 1e-3f) * up;
     const Vec3f bottom = handle.b + (handle.radius - settings.stylus_depth) * up;
     const auto shape = [&](const Vec3f& p) {
@@ -88,7 +88,7 @@ TriangleMesh laryngoscope_part(const Laryngoscope& scope, const PartSettings& se
                                       capsule(p, distal.a, distal.b, proximal.radius, distal.radius),
                                       capsule(p, distal.b - 2.0f * distal.radius * Vec3f::UnitZ(), ball,
                                               distal.radius, tip_ball_radius)});
-        // What goes round the whole tip would make it longer than the model.
+        // Rounding the whole tip would make it longer than the model.
         const float beyond = p.z() - scope.blade_length;
         return std::max({solid, beyond, -cylinder(p, bottom, top, bore)});
     };
@@ -102,7 +102,7 @@ TriangleMesh tube_connector_part(const Tube& tube, const PartSettings& settings)
     const float apart = bore + settings.wall + sensor;
     const float length = settings.sensor_length + settings.wall;
     const Vec3f rear(0.0f, 0.0f, -0.5f * length), front(0.0f, 0.0f, 0.5f * length);
-    // Away from the concave side, which lies towards the tongue.
+    // Away from the concave side, which faces the tongue.
     const Vec3f beside(0.0f, -apart, 0.0f);
     const Vec3f over = 1e-3f * Vec3f::UnitZ();
     const auto shape = [&](const Vec3f& p) {
@@ -174,7 +174,7 @@ void write_stl(const TriangleMesh& mesh, const std::filesystem::path& file) {
         }
         put(std::uint16_t{0});
     }
-    if (const std::string why = write_whole(file, bytes); !why.empty()) {
+    if (const std::string why = write_file_atomically(file, bytes); !why.empty()) {
         throw std::runtime_error(
             fmt::format("{}: cannot be written: {}; choose another folder with --out", file.string(), why));
     }

@@ -6,7 +6,7 @@
 
 namespace eti::devices {
 
-/// A device that does not exist, cannot be opened or has gone; the text says what to do.
+/// A device that does not exist, cannot be opened or was lost; the text states the remedy.
 class DeviceError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;

@@ -5,14 +5,14 @@
 #include <array>
 #include <string>
 
-#include "devices/sensor/gamepad.hpp"
 #include "devices/sensor/hand_sensor.hpp"
-#include "devices/sensor/keyboard.hpp"
-#include "devices/sensor/mouse.hpp"
-#include "devices/sensor/openhaptics.hpp"
+#include "devices/sensor/input/gamepad.hpp"
+#include "devices/sensor/input/keyboard.hpp"
+#include "devices/sensor/input/mouse.hpp"
 #include "devices/sensor/recorded.hpp"
-#include "devices/sensor/spacenav.hpp"
-#include "devices/sensor/trakstar.hpp"
+#include "devices/sensor/vendor/openhaptics.hpp"
+#include "devices/sensor/vendor/spacenav.hpp"
+#include "devices/sensor/vendor/trakstar.hpp"
 
 namespace eti::devices {
 
@@ -23,17 +23,19 @@ std::unique_ptr<Sensor> open_hand(const SensorSetup& setup) {
 }
 
 constexpr std::array<Driver, 9> table = {{
-    {"simulated", Use::tool, false, "haptic arm and the hand that holds it, both simulated", &open_hand},
-    {"scripted", Use::tool, false, "tracked tool in a simulated hand", &open_hand},
-    {"recorded", Use::tool, false, "hand as recorded in the session file --source", &open_recorded},
-    {"mouse", Use::tool, false, "mouse and keys, in a window of its own", &open_mouse},
-    {"spacenav", Use::tool, false, "6-DOF mouse by spacenavd", &open_spacenav},
-    {"openhaptics", Use::tool, true, "Touch or Touch X by OpenHaptics; --source: its name there",
+    {"simulated", DeviceRole::tool, false, "haptic arm and the hand that holds it, both simulated",
+     &open_hand},
+    {"scripted", DeviceRole::tool, false, "tracked tool in a simulated hand", &open_hand},
+    {"recorded", DeviceRole::tool, false, "hand as recorded in the session file --source", &open_recorded},
+    {"mouse", DeviceRole::tool, false, "mouse and keys, in a window of its own", &open_mouse},
+    {"spacenav", DeviceRole::tool, false, "6-DOF mouse by spacenavd", &open_spacenav},
+    {"openhaptics", DeviceRole::tool, true, "Touch or Touch X by OpenHaptics; --source: its name there",
      &open_openhaptics},
-    {"trakstar", Use::tool, true, "Ascension 3D Guidance tracker; --source: the sensor's number",
+    {"trakstar", DeviceRole::tool, true, "Ascension 3D Guidance tracker; --source: the sensor's number",
      &open_trakstar},
-    {"gamepad", Use::commands, false, "pad; --source: its file (default /dev/input/js0)", &open_gamepad},
-    {"keyboard", Use::commands, false, "keys typed in this terminal", &open_keyboard},
+    {"gamepad", DeviceRole::commands, false, "pad; --source: its file (default /dev/input/js0)",
+     &open_gamepad},
+    {"keyboard", DeviceRole::commands, false, "keys typed in this terminal", &open_keyboard},
 }};
 
 }  // namespace
@@ -42,10 +44,10 @@ std::span<const Driver> drivers() {
     return table;
 }
 
-const Driver& driver_named(std::string_view name, Use use) {
+const Driver& find_driver(std::string_view name, DeviceRole role) {
     std::string known;
     for (const Driver& driver : table) {
-        if (driver.use != use) {
+        if (driver.role != role) {
             continue;
         }
         if (driver.name == name) {
@@ -56,10 +58,10 @@ const Driver& driver_named(std::string_view name, Use use) {
     throw DeviceError("--device " + std::string(name) + ": no such device; there is: " + known);
 }
 
-std::string driver_list(Use use) {
+std::string driver_list(DeviceRole role) {
     std::string list;
     for (const Driver& driver : table) {
-        if (driver.use == use) {
+        if (driver.role == role) {
             list += (list.empty() ? "" : "; ") + std::string(driver.name) + ": " +
                     std::string(driver.description);
         }

@@ -8,14 +8,14 @@ namespace eti::devices {
 
 namespace {
 
-// Bounds on how fast the wanted pose moves, for jumps: the session began anew, or was not heard of for
-// a while. Tracks stay far below: hands reach about 1 m/s, scripts move at 0.1 m/s.
-constexpr float most_speed = 1.0f;  // [m/s]
-constexpr float most_turn = 6.0f;   // [rad/s]
-// A simulation time this far before the last one is another session's.
+// Bounds on the speed of the wanted pose after jumps: a new session, or a period without messages. Tracks
+// stay far below: hands reach about 1 m/s, scripts move at 0.1 m/s.
+constexpr float max_speed = 1.0f;  // [m/s]
+constexpr float max_turn = 6.0f;   // [rad/s]
+// A simulation time this far before the last one belongs to another session.
 constexpr double session_gap = 0.5;         // [s]
 constexpr float longest_step = 1e-3f;       // [s], of the simulated device
-constexpr float longest_catch_up = 20e-3f;  // [s], after a late cycle; beyond it the device stood still
+constexpr float longest_catch_up = 20e-3f;  // [s], after a late cycle; beyond it the device stands still
 
 std::optional<TrackPlayer> player_of(const SensorSetup& setup) {
     if (!setup.script) {
@@ -38,17 +38,17 @@ HandSensor::HandSensor(const SensorSetup& setup)
       wanted_(goal_),
       hand_(HandSettings{}, goal_) {}
 
-Abilities HandSensor::abilities() const {
+DeviceCapabilities HandSensor::capabilities() const {
     const CouplingSettings range;
     return {.force = range.force_limit, .torque = range.torque_limit, .rate = 0.0f};
 }
 
-void HandSensor::look(const Observation& seen) {
+void HandSensor::observe(const Observation& seen) {
     if (!player_) {
         return;
     }
     if (seen.time < last_time_ - session_gap) {
-        // Copies a track onto its equal: nothing is allocated.
+        // Assigns a track of equal size: allocates nothing.
         *player_ = *at_start_;
     }
     last_time_ = seen.time;
@@ -57,11 +57,11 @@ void HandSensor::look(const Observation& seen) {
 
 void HandSensor::approach(float dt) {
     const Vec3f way = goal_.translation - wanted_.translation;
-    const float reach = most_speed * dt;
+    const float reach = max_speed * dt;
     wanted_.translation =
         way.norm() <= reach ? goal_.translation : Vec3f(wanted_.translation + way.normalized() * reach);
     const Vec3f turn = rotation_vector(goal_.rotation * wanted_.rotation.conjugate());
-    const float turn_reach = most_turn * dt;
+    const float turn_reach = max_turn * dt;
     if (turn.norm() <= turn_reach) {
         wanted_.rotation = goal_.rotation;
     } else {

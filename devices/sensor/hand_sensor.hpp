@@ -15,19 +15,19 @@ class HandSensor final : public Sensor {
   public:
     explicit HandSensor(const SensorSetup& setup);
 
-    void look(const Observation& seen) override;
+    void observe(const Observation& seen) override;
     [[nodiscard]] Reading exchange(const Wrench& wrench, float elapsed) override;
-    [[nodiscard]] Abilities abilities() const override;
+    [[nodiscard]] DeviceCapabilities capabilities() const override;
     [[nodiscard]] bool finished() const override { return player_ && player_->finished(); }
 
   private:
     void approach(float dt);
 
     std::optional<TrackPlayer> at_start_, player_;
-    double last_time_ = 0.0;  // [s], of the last look
+    double last_time_ = 0.0;  // [s], of the last observation
     std::uint64_t sample_ = 0;
-    RigidTransform goal_;    // where the script wants the tool
-    RigidTransform wanted_;  // on the way there, no faster than a hand moves
+    RigidTransform goal_;    // pose that the script wants
+    RigidTransform wanted_;  // intermediate pose, limited to a hand's speed
     HandDevice hand_;
 };
 

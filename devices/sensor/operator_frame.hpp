@@ -6,14 +6,15 @@
 
 namespace eti::devices {
 
-/// From the frame of somebody who stands at the patient's head and looks towards the feet (x right, y up,
-/// z towards the own body) to the patient frame of the patient who lies on the back (x left, y down,
-/// z towards the head): half a turn about z.
+/// Transforms from the operator frame to the patient frame: half a turn about z. The operator stands at the
+/// patient's head and looks towards the feet (x right, y up, z towards the operator). The patient lies on the
+/// back (x left, y down, z towards the head).
 [[nodiscard]] inline Vec3f from_operator(const Vec3f& v) {
     return {-v.x(), -v.y(), v.z()};
 }
 
-/// `pose` moved by `way` [m] and turned by `turn` [rad] about its own place, both as the operator sees them.
+/// `pose` translated by `way` [m] and rotated by `turn` [rad] about its own origin, both in the operator
+/// frame.
 [[nodiscard]] inline RigidTransform moved(const RigidTransform& pose, const Vec3f& way, const Vec3f& turn) {
     return {(quaternion_from(from_operator(turn)) * pose.rotation).normalized(),
             pose.translation + from_operator(way)};

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::chrono::milliseconds sensor_retry_interval{1000};
 constexpr std::chrono::milliseconds ending_interval{20};
-// [s], over which velocities are smoothed: a tracker's noise of 0.5 mm at 240 Hz would be 0.17 m/s.
+// [s], smoothing of velocities: a tracker's noise of 0.5 mm at 240 Hz would be 0.17 m/s.
 constexpr float velocity_memory = 0.02f;
-constexpr float longest_velocity_interval = 0.1f;  // [s]; after a longer gap the velocity is not known
+constexpr float longest_velocity_interval = 0.1f;  // [s]; after a longer gap the velocity is unknown
 
 std::int64_t now_ns() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -35,7 +35,7 @@ PolledSensor::~PolledSensor() {
     thread_.join();
 }
 
-Abilities PolledSensor::abilities() const {
+DeviceCapabilities PolledSensor::capabilities() const {
     return {.force = 0.0f, .torque = 0.0f, .rate = source_->rate()};
 }
 
@@ -47,8 +47,8 @@ Reading PolledSensor::exchange(const Wrench&, float) {
     reading.motion = {measured->sample.pose, measured->velocity, measured->angular_velocity};
     reading.buttons = measured->sample.buttons;
     reading.axes = measured->sample.axes;
-    // A source that speaks only when something changes is as good as new while it is open; of one that
-    // measures, the pose to begin with is no measurement.
+    // A source that reports only changes is up to date while it is open; for one that measures, the start
+    // pose is not a measurement.
     const bool measures = source_->rate() > 0.0f;
     reading.sample = measures ? measured->number : calls_;
     reading.present = present_.load(std::memory_order_relaxed) && (!measures || measured->number > 0);

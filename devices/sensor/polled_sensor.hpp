@@ -14,31 +14,31 @@
 
 namespace eti::devices {
 
-/// A measurement of a device that has to be asked for, or waited for.
+/// A measurement of a device that is polled or waited for.
 struct Sample {
     RigidTransform pose;
     std::uint32_t buttons = 0;
     std::array<float, axis_count> axes{};
 };
 
-/// A device that is read by waiting. One thread calls everything; all may throw DeviceError.
+/// A device that is read by blocking calls, all from one thread; all may throw DeviceError.
 class SampleSource {
   public:
     virtual ~SampleSource() = default;
-    /// Opens the device, for the first time or after it was lost.
+    /// Opens the device, for the first time or after a loss.
     virtual void open() = 0;
-    /// The next sample, on top of the last one in `sample`; waits for at most `patience`. False: nothing
-    /// new, and nothing wrong with that.
+    /// Updates `sample` to the next sample; waits at most `read_timeout`. False: nothing new, which is not an
+    /// error.
     [[nodiscard]] virtual bool read(Sample& sample) = 0;
     virtual void close() noexcept = 0;
-    /// [1/s], samples that come from a device in order; 0: only when something changes.
+    /// [1/s], nominal sample rate; 0: samples only when something changes.
     [[nodiscard]] virtual float rate() const { return 0.0f; }
 
-    static constexpr std::chrono::milliseconds patience{20};
+    static constexpr std::chrono::milliseconds read_timeout{20};
 };
 
-/// Reads a source on a thread of its own and hands the newest sample to the loop, which never waits. A
-/// source that fails is closed and opened again once a second until it is back.
+/// Reads a source on its own thread and passes the newest sample to the loop, which never waits. A source
+/// that fails is closed and reopened once a second until it is back.
 class PolledSensor final : public Sensor {
   public:
     /// Opens the source; throws DeviceError when that fails.
@@ -46,11 +46,11 @@ class PolledSensor final : public Sensor {
     ~PolledSensor() override;
 
     [[nodiscard]] Reading exchange(const Wrench& wrench, float elapsed) override;
-    [[nodiscard]] Abilities abilities() const override;
+    [[nodiscard]] DeviceCapabilities capabilities() const override;
     [[nodiscard]] std::string fault() const override;
 
   private:
-    /// What the thread hands on.
+    /// Data passed on by the thread.
     struct Measured {
         Sample sample;
         Vec3f velocity = Vec3f::Zero(), angular_velocity = Vec3f::Zero();
@@ -64,7 +64,7 @@ class PolledSensor final : public Sensor {
     std::unique_ptr<SampleSource> source_;
     Measured measured_;  // the thread's
     RigidTransform last_pose_;
-    std::int64_t measured_at_ = 0;  // [ns]; 0: nothing before this
+    std::int64_t measured_at_ = 0;  // [ns]; 0: no measurement yet
     TripleBuffer<Measured> newest_;
     std::uint64_t calls_ = 0;
     std::atomic<bool> present_{true}, ending_{false};

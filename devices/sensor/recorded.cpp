@@ -7,22 +7,22 @@
 #include <cstring>
 #include <vector>
 
-#include "common/process/memory_channel.hpp"
+#include "common/process/files/memfd_pipe.hpp"
 #include "common/session/reader.hpp"
 
 namespace eti::devices {
 
 namespace {
 
-/// What is kept of a step, on its way from the child process that read the file.
+/// The data of a step passed on by the child process that reads the file.
 struct Step {
     double time = 0.0;                   // [s]
     std::array<float, 4> rotation{};     // x, y, z, w
     std::array<float, 3> translation{};  // [m]
 };
 
-// The library that reads session files may crash on a hostile one: a child process runs it. Address space:
-// the bus has mapped a lot already.
+// The library that reads session files may crash on a hostile one, so a child process runs it. The limit on
+// address space is high because the bus has already mapped a lot.
 constexpr GuardLimits limits{.processor_seconds = 60, .memory_bytes = std::uint64_t{16} << 30};
 
 std::vector<std::uint8_t> steps_of(const std::string& file, Tool tool) {
@@ -66,7 +66,7 @@ class Recorded final : public Sensor {
         last_.motion.pose = poses_.front();
     }
 
-    void look(const Observation& seen) override { time_ = seen.time; }
+    void observe(const Observation& seen) override { time_ = seen.time; }
 
     Reading exchange(const Wrench&, float elapsed) override {
         const auto next = static_cast<std::size_t>(std::ranges::upper_bound(times_, time_) - times_.begin());

@@ -8,7 +8,7 @@
 
 namespace eti::devices {
 
-/// The tool as a session file has it, at its simulation times. `source`: the file.
+/// Plays back the tool of a session file at its simulation times. `source`: the file.
 [[nodiscard]] std::unique_ptr<Sensor> open_recorded(const SensorSetup& setup);
 
 }  // namespace eti::devices

@@ -8,23 +8,23 @@
 
 namespace eti::devices {
 
-/// Hands the newest value from one writing thread to one reading thread; neither ever waits. Of the
-/// three slots one is the writer's, one the reader's, and the third holds the newest value written:
-/// a single atomic exchange trades it. Values written between two reads are lost but for the last.
+/// Wait-free hand-over of the newest value from one writing to one reading thread. Of the three slots, one
+/// belongs to the writer, one to the reader, and the third holds the newest value written; a single atomic
+/// exchange swaps it. Of several values written between two reads, only the last is kept.
 template <class Value>
 class TripleBuffer {
   public:
-    /// Writer: makes `value` the newest.
+    /// Writer: publishes `value`.
     void write(const Value& value) {
         slots_[write_] = value;
         write_ =
             middle_.exchange(static_cast<std::uint8_t>(write_ | fresh), std::memory_order_acq_rel) & index;
     }
 
-    /// Reader: the newest value; true when it was not read before. The reference stays valid, and the
+    /// Reader: the newest value; true if it has not been read before. The reference stays valid, and the
     /// value unchanged, until the next call.
     [[nodiscard]] bool read(const Value*& value) {
-        // Only the writer sets the flag and only the reader clears it, so a plain look decides.
+        // Only the writer sets the flag and only the reader clears it, so a plain load suffices.
         const bool is_new = (middle_.load(std::memory_order_relaxed) & fresh) != 0;
         if (is_new) {
             read_ = middle_.exchange(read_, std::memory_order_acq_rel) & index;
@@ -36,7 +36,7 @@ class TripleBuffer {
   private:
     static constexpr std::uint8_t index = 3, fresh = 4;
     std::array<Value, 3> slots_{};
-    // Each side's slot on its own cache line, away from the other's.
+    // On separate cache lines, to avoid false sharing.
     alignas(64) std::atomic<std::uint8_t> middle_{1};
     alignas(64) std::uint8_t write_ = 0;
     alignas(64) std::uint8_t read_ = 2;

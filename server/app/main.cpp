@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #include "common/process/log.hpp"
 #include "server/app/options.hpp"
-#include "server/app/server.hpp"
+#include "server/app/run/server.hpp"
 
 int main(int argc, char** argv) {
     eti::set_up_log("eti-server");

@@ -7,15 +7,15 @@
 #include "common/bus/command_line.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/command_line.hpp"
-#include "server/app/describe.hpp"
+#include "server/app/output/describe.hpp"
 
 namespace eti::app {
 
 namespace {
 
-// No session is as long: half a year.
+// Longer than any session: half a year.
 constexpr double longest_time = 180.0 * 24 * 3600;  // [s]
-constexpr std::uint64_t most_steps = 180 * static_cast<std::uint64_t>(longest_time);
+constexpr std::uint64_t max_steps = 180 * static_cast<std::uint64_t>(longest_time);
 
 }  // namespace
 
@@ -37,7 +37,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         .needs(hands);
     app.add_number("--operator-attempts", options.attempts,
                    "How often it tries at most, while the tube does not lie in the trachea",
-                   {1, most_attempts})
+                   {1, max_attempts})
         .needs(hands);
     app.add_option("--record", options.record, "Write the session to this file (*.eti.h5)")
         .check([](const std::string& file) {
@@ -56,8 +56,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_flag("--loop", options.loop,
                  "With --replay or --operator: begin again at the end, with the patient put back to rest")
         .excludes({"--finish-after-attempt"});
-    app.add_number("--steps", options.steps, "End after this many steps of 1/180 s",
-                   {1, most_steps, "steps"});
+    app.add_number("--steps", options.steps, "End after this many steps of 1/180 s", {1, max_steps, "steps"});
     app.add_number("--duration", options.duration, "End after this simulation time; 0: no limit",
                    {0.0, longest_time, "s"});
     app.add_number("--seed", options.seed, "Seed of tremor and chance, instead of the scenario's", {0});

@@ -6,7 +6,7 @@
 
 namespace eti::metrics {
 
-Passage::Change Passage::update(float past, bool in_reach, bool still_there, float slack) {
+GateTracker::Change GateTracker::update(float past, bool in_reach, bool still_there, float slack) {
     if (!inside_ && past > slack && in_reach) {
         inside_ = true;
         return Change::in;
@@ -26,17 +26,18 @@ TubePlace AirwayWatch::place() const {
                              : TubePlace::outside;
 }
 
-AirwayWatch::Changes AirwayWatch::update(const Vec3f& tip, const Places& places) {
+AirwayWatch::Changes AirwayWatch::update(const Vec3f& tip, const AirwayGates& places) {
     constexpr float slack = threshold::gate_slack.as_float();
     constexpr float carina_slack = threshold::carina_slack.as_float();
     const float to_trachea = places.from_trachea(tip);
     const float to_oesophagus = places.from_oesophagus(tip);
-    // Below the carina neither line says where the tip is: it stays in what it went into above.
+    // Below the carina neither line locates the tip: it stays in the passage that it entered above.
     const bool told_apart = places.along_trachea(tip) < places.trachea_length();
     const bool rather_trachea = to_trachea < to_oesophagus;
     Changes changes;
-    changes.mouth = mouth_.update(places.mouth.past(tip),
-                                  places.mouth.aside(tip) < threshold::mouth_radius.as_float(), true, slack);
+    changes.mouth =
+        mouth_.update(places.mouth.past(tip),
+                      places.mouth.radial_distance(tip) < threshold::mouth_radius.as_float(), true, slack);
     changes.trachea =
         trachea_.update(places.glottis.past(tip),
                         told_apart && to_trachea < threshold::glottis_radius.as_float() && rather_trachea,

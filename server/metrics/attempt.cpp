@@ -8,12 +8,12 @@
 
 #include "common/math/units.hpp"
 #include "common/model/thresholds.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti::metrics {
 namespace {
 
-// Nine minutes at 30 Hz before neighbours merge and bins double.
+// Nine minutes at 30 Hz, after which adjacent bins merge and bin width doubles.
 constexpr std::size_t curve_capacity = std::size_t{1} << 14;
 
 double in_degrees(double radians) {
@@ -55,7 +55,7 @@ bool SpeedMeter::add(double time, const Vec3f& point) {
         from_ = point;
         return false;
     }
-    // Half a microsecond for times that are not whole multiples of the interval.
+    // Tolerance of half a microsecond for times that are not whole multiples of the interval.
     if (time - since_ < interval_ - 5e-7) {
         return false;
     }
@@ -87,78 +87,78 @@ Attempt::Attempt(double weight_kg, double time_limit)
       tube_meter_(1.0 / threshold::speed_rate.value),
       grip_meter_(1.0 / threshold::speed_rate.value),
       blade_meter_(1.0 / threshold::speed_rate.value) {
-    parameters_.attempts = 1;
-    parameters_.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_kg);
+    metrics_.attempts = 1;
+    metrics_.tube_depth_rule_cm = 100.0 * tube_depth_by_weight(weight_kg);
 }
 
-void Attempt::add(const Moment& moment) {
-    gum_.add(moment.forces.gum, moment.seconds);
-    epiglottis_.add(moment.forces.epiglottis, moment.seconds);
-    tongue_.add(moment.forces.tongue, moment.seconds);
-    depth_.add(static_cast<double>(moment.blade_depth), moment.seconds);
+void Attempt::add(const AttemptSample& sample) {
+    gum_.add(sample.forces.gum, sample.seconds);
+    epiglottis_.add(sample.forces.epiglottis, sample.seconds);
+    tongue_.add(sample.forces.tongue, sample.seconds);
+    depth_.add(static_cast<double>(sample.blade_depth), sample.seconds);
 
-    // Continued across the half turn, where the angle would jump.
-    pitch_angle_ = moment.time == 0.0 ? moment.angles.pitch
-                                      : pitch_angle_ + std::remainder(moment.angles.pitch - pitch_angle_,
+    // Unwrapped: the angle would jump at half a turn.
+    pitch_angle_ = sample.time == 0.0 ? sample.angles.pitch
+                                      : pitch_angle_ + std::remainder(sample.angles.pitch - pitch_angle_,
                                                                       2.0 * std::numbers::pi);
     const double pitch = in_degrees(pitch_angle_);
-    const double yaw = in_degrees(moment.angles.yaw);
+    const double yaw = in_degrees(sample.angles.yaw);
     pitch_peaks_.add(pitch);
     left_peaks_.add(yaw);
     right_peaks_.add(-yaw);
-    pitch_.add(moment.time, pitch);
-    yaw_.add(moment.time, yaw);
-    if (blade_meter_.add(moment.time, moment.blade_tip)) {
-        // Of the interval that ends now.
-        blade_speed_.add(moment.time - 0.5 * blade_meter_.seconds, blade_meter_.speed);
-        parameters_.blade_path_length_cm += 100.0 * blade_meter_.speed * blade_meter_.seconds;
+    pitch_.add(sample.time, pitch);
+    yaw_.add(sample.time, yaw);
+    if (blade_meter_.add(sample.time, sample.blade_tip)) {
+        // At the middle of the completed interval.
+        blade_speed_.add(sample.time - 0.5 * blade_meter_.seconds, blade_meter_.speed);
+        metrics_.blade_path_length_cm += 100.0 * blade_meter_.speed * blade_meter_.seconds;
     }
 
-    // The head's elevation counts at the passage of the glottis; until then, where the view is best.
-    const double opening = static_cast<double>(moment.view.opening_percent);
-    const bool best = opening > best_view_ || moment.time == 0.0;
-    if (moment.tube.trachea == Passage::Change::in || (best && !passed_glottis_)) {
-        parameters_.head_elevation_deg = in_degrees(static_cast<double>(moment.head_elevation));
+    // The head's elevation is taken at the passage of the glottis; until then, at the best view.
+    const double opening = static_cast<double>(sample.view.opening_percent);
+    const bool best = opening > best_view_ || sample.time == 0.0;
+    if (sample.tube.trachea == GateTracker::Change::in || (best && !passed_glottis_)) {
+        metrics_.head_elevation_deg = in_degrees(static_cast<double>(sample.head_elevation));
     }
     best_view_ = std::max(best_view_, opening);
-    epiglottis_seen_ = epiglottis_seen_ || moment.view.epiglottis_seen;
-    passed_glottis_ = passed_glottis_ || moment.tube.trachea == Passage::Change::in;
-    tube_reached_glottis_ = tube_reached_glottis_ || moment.tube_at_glottis || passed_glottis_;
+    epiglottis_seen_ = epiglottis_seen_ || sample.view.epiglottis_seen;
+    passed_glottis_ = passed_glottis_ || sample.tube.trachea == GateTracker::Change::in;
+    tube_reached_glottis_ = tube_reached_glottis_ || sample.tube_at_glottis || passed_glottis_;
     if (seen_ && !tube_reached_glottis_) {
-        view_.add(opening, moment.seconds);
-        parameters_.view_held_s += opening >= threshold::most_of_the_glottis.value ? moment.seconds : 0.0;
+        view_.add(opening, sample.seconds);
+        metrics_.view_held_s += opening >= threshold::most_of_the_glottis.value ? sample.seconds : 0.0;
     }
     if (!seen_ && opening > 0.0) {
         seen_ = true;
-        parameters_.time_to_first_view_s = moment.time;
+        metrics_.time_to_first_view_s = sample.time;
     }
 
-    if (moment.tube_in_mouth) {
-        if (tube_meter_.add(moment.time, moment.tube_tip)) {
+    if (sample.tube_in_mouth) {
+        if (tube_meter_.add(sample.time, sample.tube_tip)) {
             tube_speed_.add(tube_meter_.speed, tube_meter_.seconds);
         }
-        if (grip_meter_.add(moment.time, moment.tube_grip)) {
+        if (grip_meter_.add(sample.time, sample.tube_grip)) {
             grip_speed_.add(grip_meter_.speed, grip_meter_.seconds);
         }
     } else {
         tube_meter_.restart();
         grip_meter_.restart();
     }
-    parameters_.oesophageal_entries += moment.tube.oesophagus == Passage::Change::in ? 1 : 0;
-    parameters_.main_stem_entries += moment.tube.main_stem == Passage::Change::in ? 1 : 0;
-    parameters_.tube_depth_at_lip_cm = 100.0 * moment.depth_at_lip;
-    parameters_.oxygen_saturation_end_percent = moment.oxygen_saturation;
-    parameters_.oxygen_saturation_min_percent =
-        std::fmin(parameters_.oxygen_saturation_min_percent, moment.oxygen_saturation);
-    parameters_.heart_rate_end_per_min = moment.heart_rate;
-    parameters_.heart_rate_min_per_min = std::fmin(parameters_.heart_rate_min_per_min, moment.heart_rate);
-    parameters_.time_s = moment.time;
-    parameters_.over_time_limit = moment.time > time_limit_ ? 1 : 0;
+    metrics_.oesophageal_entries += sample.tube.oesophagus == GateTracker::Change::in ? 1 : 0;
+    metrics_.main_stem_entries += sample.tube.main_stem == GateTracker::Change::in ? 1 : 0;
+    metrics_.tube_depth_at_lip_cm = 100.0 * sample.depth_at_lip;
+    metrics_.oxygen_saturation_end_percent = sample.oxygen_saturation;
+    metrics_.oxygen_saturation_min_percent =
+        std::fmin(metrics_.oxygen_saturation_min_percent, sample.oxygen_saturation);
+    metrics_.heart_rate_end_per_min = sample.heart_rate;
+    metrics_.heart_rate_min_per_min = std::fmin(metrics_.heart_rate_min_per_min, sample.heart_rate);
+    metrics_.time_s = sample.time;
+    metrics_.over_time_limit = sample.time > time_limit_ ? 1 : 0;
     fill_means();
 }
 
 void Attempt::fill_means() {
-    Parameters& p = parameters_;
+    AttemptMetrics& p = metrics_;
     const auto or_zero = [](double value) { return std::isnan(value) ? 0.0 : value; };
     p.gum_force_max_n = or_zero(gum_.max());
     p.gum_force_mean_n = or_zero(gum_.mean());
@@ -181,13 +181,13 @@ void Attempt::fill_means() {
 }
 
 void Attempt::refresh_curves() {
-    parameters_.pitch_rocking_deg = rocking(pitch_.values());
-    parameters_.yaw_rocking_deg = rocking(yaw_.values());
-    parameters_.blade_smoothness = log_dimensionless_jerk(blade_speed_.values(), 1.0 / blade_speed_.width());
+    metrics_.pitch_rocking_deg = rocking(pitch_.values());
+    metrics_.yaw_rocking_deg = rocking(yaw_.values());
+    metrics_.blade_smoothness = log_dimensionless_jerk(blade_speed_.values(), 1.0 / blade_speed_.width());
 }
 
 RunPart::Weights Attempt::weights() const {
-    return {parameters_.time_s, view_.seconds(), tube_speed_.seconds()};
+    return {metrics_.time_s, view_.seconds(), tube_speed_.seconds()};
 }
 
 }  // namespace eti::metrics

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/model/parameters.hpp"
+#include "common/model/attempt_metrics.hpp"
 #include "common/model/run.hpp"
 #include "server/metrics/airway_watch.hpp"
 #include "server/metrics/glottic_view.hpp"
@@ -14,7 +14,7 @@
 
 namespace eti::metrics {
 
-/// Largest value, and the mean over time.
+/// Maximum and time-weighted mean.
 class TimeMean {
   public:
     void add(double value, double seconds) {
@@ -22,7 +22,7 @@ class TimeMean {
         sum_ += value * seconds;
         seconds_ += seconds;
     }
-    /// NaN before anything was added.
+    /// NaN before the first sample.
     [[nodiscard]] double max() const { return max_ >= 0.0 ? max_ : std::numeric_limits<double>::quiet_NaN(); }
     [[nodiscard]] double mean() const {
         return seconds_ > 0.0 ? sum_ / seconds_ : std::numeric_limits<double>::quiet_NaN();
@@ -31,7 +31,7 @@ class TimeMean {
     [[nodiscard]] double seconds() const { return seconds_; }
 
   private:
-    double max_ = -1.0;  // all quantities it serves are non-negative
+    double max_ = -1.0;  // all quantities are non-negative
     double sum_ = 0.0;
     double seconds_ = 0.0;
 };
@@ -43,10 +43,10 @@ struct TissueForces {
 
 [[nodiscard]] TissueForces tissue_forces(const scene::Snapshot& snapshot);
 
-/// What one snapshot means for an attempt; worked out once per snapshot.
-struct Moment {
+/// All that an attempt needs of one snapshot; computed once per snapshot.
+struct AttemptSample {
     double time = 0.0;     ///< [s] since the attempt began
-    double seconds = 0.0;  ///< since the snapshot before
+    double seconds = 0.0;  ///< [s] since the previous snapshot
     TissueForces forces;
     Vec3f blade_tip = Vec3f::Zero();
     float blade_depth = 0.0f;  ///< [m], upper gum to blade tip
@@ -58,17 +58,17 @@ struct Moment {
     bool tube_at_glottis = false;
     float head_elevation = 0.0f;                                          ///< [rad]
     double depth_at_lip = std::numeric_limits<double>::quiet_NaN();       ///< [m]
-    double oxygen_saturation = std::numeric_limits<double>::quiet_NaN();  ///< [%], where it is simulated
-    double heart_rate = std::numeric_limits<double>::quiet_NaN();         ///< [1/min], likewise
+    double oxygen_saturation = std::numeric_limits<double>::quiet_NaN();  ///< [%]; NaN unless simulated
+    double heart_rate = std::numeric_limits<double>::quiet_NaN();         ///< [1/min]; NaN unless simulated
 };
 
-/// Speed [m/s] of a moving point over intervals of at least `interval` [s]: differences between
-/// neighbouring steps would show the solver's noise as speed.
+/// Speed [m/s] of a moving point over intervals of at least `interval` [s]. Differences between successive
+/// steps would show solver noise as speed.
 class SpeedMeter {
   public:
     explicit SpeedMeter(double interval) : interval_(interval) {}
     void restart() { started_ = false; }
-    /// True when an interval has been completed; `speed` and `seconds` then hold its values.
+    /// Returns true when an interval has been completed; `speed` and `seconds` then describe it.
     bool add(double time, const Vec3f& point);
     double speed = 0.0;
     double seconds = 0.0;
@@ -80,16 +80,17 @@ class SpeedMeter {
     bool started_ = false;
 };
 
-/// The parameters of one attempt as they grow.
+/// Metrics of one attempt, updated sample by sample.
 class Attempt {
   public:
     Attempt(double weight_kg, double time_limit);
 
-    void add(const Moment& moment);
+    void add(const AttemptSample& sample);
 
-    /// Values so far; rocking and smoothness, which need the whole curve, as of the last refresh.
-    [[nodiscard]] const Parameters& parameters() const { return parameters_; }
-    /// Works out rocking and smoothness; about 0.5 ms for an attempt of 30 s.
+    /// Current values. Rocking and smoothness need the whole curve: they are those of the last
+    /// refresh_curves().
+    [[nodiscard]] const AttemptMetrics& metrics() const { return metrics_; }
+    /// Computes rocking and smoothness; about 0.5 ms for an attempt of 30 s.
     void refresh_curves();
 
     [[nodiscard]] RunPart::Weights weights() const;
@@ -101,7 +102,7 @@ class Attempt {
     void fill_means();
 
     double time_limit_;
-    Parameters parameters_ = starting_parameters();
+    AttemptMetrics metrics_ = initial_metrics();
     TimeMean gum_, epiglottis_, tongue_, depth_, view_, tube_speed_, grip_speed_;
     double best_view_ = 0.0;
     double pitch_angle_ = 0.0;  // [rad]
@@ -114,8 +115,8 @@ class Attempt {
     SpeedMeter tube_meter_, grip_meter_, blade_meter_;
 };
 
-/// Grade after Cormack & Lehane 1984 (Anaesthesia 39:1105) from the best view: 1 most of the glottis
-/// (half or more), 2 part of it, 3 only the epiglottis, 4 neither.
+/// Grade after Cormack & Lehane 1984 (Anaesthesia 39:1105) from the best view: 1 half or more of the glottis,
+/// 2 part of it, 3 only the epiglottis, 4 neither.
 [[nodiscard]] double cormack_lehane_grade(double best_opening_percent, bool epiglottis_seen);
 
 }  // namespace eti::metrics

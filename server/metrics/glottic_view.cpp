@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "common/model/tube_end.hpp"
+#include "common/model/tools/tube_end.hpp"
 
 namespace eti::metrics {
 
@@ -18,7 +18,7 @@ std::vector<Vec3f> sample_polygon(std::span<const Vec3f> contour, int count) {
     for (const Vec3f& p : contour) {
         centroid += p / static_cast<float>(contour.size());
     }
-    // Of the fan of triangles about the centroid, up to each corner.
+    // Cumulative area of the triangle fan about the centroid, up to each corner.
     std::vector<float> area{0.0f};
     for (std::size_t i = 0; i < contour.size(); ++i) {
         const Vec3f& next = contour[(i + 1) % contour.size()];
@@ -68,8 +68,8 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
             }
         }
     }
-    hide_glottis_.resize(surfaces_.size());
-    hide_epiglottis_.resize(surfaces_.size());
+    glottis_occluders_.resize(surfaces_.size());
+    epiglottis_occluders_.resize(surfaces_.size());
     const TriangleMesh mesh = laryngoscope_mesh(scope);
     if (!mesh.triangles.empty()) {
         const SkinWeights rigid{{0}, {1.0f}};
@@ -77,28 +77,29 @@ GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope
     }
 }
 
-void GlotticViewer::block(SightLines& lines, const Occluder::Posture& tissue, const scene::Snapshot& snapshot,
-                          Hiding& hiding) {
+void GlotticViewer::block(SightLines& lines, const Occluder::DeformedState& tissue,
+                          const scene::Snapshot& snapshot, OccluderCache& hiding) {
     if (settings_.tube_radius > 0.0f) {
         block_by_tube(lines, snapshot.tube_nodes);
     }
     if (laryngoscope_) {
         const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
-        Occluder::Recent of_the_blade;  // a small mesh: met anew each time
+        Occluder::RecentBlocks of_the_blade;  // a small mesh: tested in full each time
         laryngoscope_->block(lines, {.frames = std::span(&held, 1)}, of_the_blade);
     }
     if (lips_as_scanned_) {
-        lines.begin_at(std::max(0.0f, lines.seen_from_eye(at(snapshot.landmarks, Landmark::upper_gum)).z()));
+        lines.set_min_depth(
+            std::max(0.0f, lines.to_eye_frame(at(snapshot.landmarks, Landmark::upper_gum)).z()));
     }
-    // What hid a moment ago hides most, and the rest is narrower.
+    // Recent blockers block most lines, which narrows the search for the rest.
     for (std::size_t i = 0; i < surfaces_.size() && !lines.all_blocked(); ++i) {
-        surfaces_[i].block_again(lines, tissue, hiding[i]);
+        surfaces_[i].block_by_recent(lines, tissue, hiding[i]);
     }
-    lines.look_at_open_ones();
+    lines.restrict_to_open_lines();
     for (std::size_t i = 0; i < surfaces_.size() && !lines.all_blocked(); ++i) {
         surfaces_[i].block(lines, tissue, hiding[i]);
     }
-    lines.begin_at(0.0f);
+    lines.set_min_depth(0.0f);
 }
 
 void GlotticViewer::block_by_tube(SightLines& lines, std::span<const Vec3f> nodes) const {
@@ -106,18 +107,18 @@ void GlotticViewer::block_by_tube(SightLines& lines, std::span<const Vec3f> node
     if (!end) {
         return;
     }
-    Vec3f before = lines.seen_from_eye(nodes[0]);
-    const Vec3f start = lines.seen_from_eye(end->start);
+    Vec3f before = lines.to_eye_frame(nodes[0]);
+    const Vec3f start = lines.to_eye_frame(end->start);
     for (std::size_t i = 1; i <= end->nodes; ++i) {
-        const Vec3f next = i < end->nodes ? lines.seen_from_eye(nodes[i]) : start;
+        const Vec3f next = i < end->nodes ? lines.to_eye_frame(nodes[i]) : start;
         lines.block_by_capsule(before, next, settings_.tube_radius);
         before = next;
     }
-    lines.block_by_cut_cylinder(start, lines.seen_from_eye(end->tip), settings_.tube_radius,
-                                lines.turned(end->bevel), end->beyond);
+    lines.block_by_cut_cylinder(start, lines.to_eye_frame(end->tip), settings_.tube_radius,
+                                lines.direction_in_eye_frame(end->bevel), end->beyond);
 }
 
-GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& from) {
+GlotticView GlotticViewer::evaluate(const scene::Snapshot& snapshot, const Vec3f& from) {
     GlotticView view;
     if (snapshot.frames.size() != rest_centres_.size()) {
         return view;
@@ -127,9 +128,10 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
     const LipRetraction lips = lip_retraction(from, snapshot.landmarks);
     const std::vector<Vec3f> samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
     SightLines to_glottis(from, samples, settings_.tolerance);
-    const PlacedGiveWay pressed = give_way_to(scope_, snapshot.proxy, snapshot.landmarks);
-    const Occluder::Posture tissue{frames, pressed, &lips};
-    block(to_glottis, tissue, snapshot, hide_glottis_);
+    const PosedBladeClearanceDeformer pressed =
+        blade_clearance_for(scope_, snapshot.proxy, snapshot.landmarks);
+    const Occluder::DeformedState tissue{frames, pressed, &lips};
+    block(to_glottis, tissue, snapshot, glottis_occluders_);
     view.opening_percent = to_glottis.open_percent();
     if (view.opening_percent > 0.0f) {
         return view;
@@ -140,7 +142,7 @@ GlotticView GlotticViewer::look(const scene::Snapshot& snapshot, const Vec3f& fr
         targets.push_back(pressed(skin_point(point.rest, point.skin, frames)));
     }
     SightLines to_epiglottis(from, targets, settings_.tolerance);
-    block(to_epiglottis, tissue, snapshot, hide_epiglottis_);
+    block(to_epiglottis, tissue, snapshot, epiglottis_occluders_);
     view.epiglottis_seen = !to_epiglottis.all_blocked();
     return view;
 }

@@ -10,10 +10,11 @@
 namespace eti::metrics {
 namespace {
 
-// Nearer than this in front of the eye [m], a point has no useful image.
+// [m]; points nearer than this to the eye plane have no useful image.
 constexpr float near_plane = 1e-3f;
 
-// Triangles per block: halving it doubles the bounds to test, doubling it the triangles skinned in vain.
+// Triangles per block: half as many double the bounds to test, twice as many double the triangles skinned for
+// nothing.
 constexpr std::size_t block_size = 16;
 
 std::uint32_t spread_bits(std::uint32_t v) {
@@ -23,7 +24,7 @@ std::uint32_t spread_bits(std::uint32_t v) {
     return (v | (v << 2)) & 0x09249249u;
 }
 
-// Order along Morton's space-filling curve on a grid of 1024 cells a side.
+// Morton code (Z-order curve) on a grid of 1024 cells per axis.
 std::uint32_t morton_code(const Vec3f& p, const Vec3f& low, float size) {
     std::uint32_t code = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -48,21 +49,21 @@ SightLines::SightLines(const Vec3f& eye, std::span<const Vec3f> targets, float t
     to_eye_.row(2) = forward.transpose();
 
     for (std::size_t i = 0; i < targets.size(); ++i) {
-        const Vec3f line = seen_from_eye(targets[i]);
+        const Vec3f line = to_eye_frame(targets[i]);
         lines_.push_back(line);
         last_.push_back(1.0f - tolerance / std::max(line.norm(), tolerance));
         const float depth = std::max(line.z(), near_plane);
         image_.emplace_back(line.x() / depth, line.y() / depth);
         farthest_ = std::max(farthest_, line.z());
-        if (line.z() <= near_plane) {  // beside or behind the eye: never seen
+        if (line.z() <= near_plane) {  // beside or behind the eye: never visible
             blocked_[i] = 1;
             --open_;
         }
     }
-    look_at_open_ones();
+    restrict_to_open_lines();
 }
 
-void SightLines::look_at_open_ones() {
+void SightLines::restrict_to_open_lines() {
     low_.setConstant(1e9f);
     high_.setConstant(-1e9f);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
@@ -100,8 +101,8 @@ void SightLines::block_by_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& 
             return;
         }
     }
-    // Möller & Trumbore 1997, with the ray's origin at zero. The slack closes the cracks that
-    // round-off opens between neighbours.
+    // Möller & Trumbore 1997, with the ray's origin at zero. The slack closes cracks between neighbours that
+    // are due to rounding.
     constexpr float slack = 1e-5f;
     const Vec3f ab = b - a;
     const Vec3f ac = c - a;
@@ -136,7 +137,7 @@ void SightLines::block_by_capsule(const Vec3f& a, const Vec3f& b, float radius) 
         if (blocked_[i] != 0) {
             continue;
         }
-        // Closest points of the two segments (Ericson 2005, sec. 5.1.9), the line starting at zero.
+        // Closest points of two segments (Ericson 2005, sec. 5.1.9); the line starts at zero.
         const Vec3f line = last_[i] * lines_[i];
         const float aa = line.squaredNorm();
         const float bb = along.squaredNorm();
@@ -165,9 +166,9 @@ void SightLines::block_by_cut_cylinder(const Vec3f& a, const Vec3f& b, float rad
         if (blocked_[i] != 0) {
             continue;
         }
-        // The part of the line, in shares of it, that lies within; the line starts at zero.
+        // The range of line parameters inside; the line starts at zero.
         float first = 0.0f, last = last_[i];
-        const auto keep = [&](float slope, float limit) {  // where share * slope <= limit
+        const auto keep = [&](float slope, float limit) {  // clips to share * slope <= limit
             if (slope > 0.0f) {
                 last = std::min(last, limit / slope);
             } else if (slope < 0.0f) {
@@ -178,7 +179,7 @@ void SightLines::block_by_cut_cylinder(const Vec3f& a, const Vec3f& b, float rad
         };
         keep(-lines_[i].dot(along), -a.dot(along));
         keep(lines_[i].dot(cut), b.dot(cut) + beyond);
-        // In the plane across the axis.
+        // In the plane normal to the axis.
         const Vec3f across = lines_[i] - lines_[i].dot(along) * along, axis = a - a.dot(along) * along;
         const float nearest = across.squaredNorm() > 0.0f ? across.dot(axis) / across.squaredNorm() : 0.0f;
         const float inside = radius * radius - (axis - nearest * across).squaredNorm();
@@ -258,12 +259,12 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     }
 }
 
-void Occluder::block_again(SightLines& lines, const Posture& posture, Recent& recent) {
+void Occluder::block_by_recent(SightLines& lines, const DeformedState& posture, RecentBlocks& recent) {
     ++call_;
     std::erase_if(recent, [&](std::uint32_t index) { return !block_by(blocks_[index], lines, posture); });
 }
 
-void Occluder::block(SightLines& lines, const Posture& posture, Recent& recent) {
+void Occluder::block(SightLines& lines, const DeformedState& posture, RecentBlocks& recent) {
     ++call_;
     for (std::uint32_t index = 0; index < blocks_.size() && !lines.all_blocked(); ++index) {
         if (block_by(blocks_[index], lines, posture)) {
@@ -272,7 +273,7 @@ void Occluder::block(SightLines& lines, const Posture& posture, Recent& recent) 
     }
 }
 
-bool Occluder::may_hide(const Block& block, const SightLines& lines, const Posture& posture) const {
+bool Occluder::may_hide(const Block& block, const SightLines& lines, const DeformedState& posture) const {
     Vec3f low = Vec3f::Constant(1e9f);
     Vec3f high = Vec3f::Constant(-1e9f);
     for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
@@ -288,10 +289,10 @@ bool Occluder::may_hide(const Block& block, const SightLines& lines, const Postu
     if (posture.lips != nullptr && posture.lips->moves(centre, radius)) {
         radius += posture.lips->reach();
     }
-    return lines.may_meet(lines.seen_from_eye(centre), radius);
+    return lines.may_meet(lines.to_eye_frame(centre), radius);
 }
 
-bool Occluder::block_by(const Block& block, SightLines& lines, const Posture& posture) {
+bool Occluder::block_by(const Block& block, SightLines& lines, const DeformedState& posture) {
     if (!may_hide(block, lines, posture)) {
         return false;
     }
@@ -303,7 +304,7 @@ bool Occluder::block_by(const Block& block, SightLines& lines, const Posture& po
             if (pressed) {
                 place = (*pressed)(place);
             }
-            seen_[vertex] = lines.seen_from_eye(lips != nullptr ? lips->held_aside(place) : place);
+            seen_[vertex] = lines.to_eye_frame(lips != nullptr ? lips->retract_lips(place) : place);
         }
         return seen_[vertex];
     };

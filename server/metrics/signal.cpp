@@ -60,7 +60,7 @@ void BinnedSeries::merge() {
         values_[kept++] = 0.5 * (values_[i] + values_[i + 1]);
     }
     const bool odd = values_.size() % 2 != 0;
-    if (odd) {  // the last finished bin is the first half of the one being filled
+    if (odd) {  // the last completed bin is the first half of the one being filled
         sum_ += values_.back();
         ++samples_;
     }

@@ -8,11 +8,13 @@
 
 namespace eti::metrics {
 
-/// Counts the maxima of a curve whose prominence (height above the higher of the two lowest points
-/// that separate it from higher ground or from the curve's ends) is at least `prominence`, sample by
-/// sample. A maximum counts once the curve has fallen by the prominence behind it after having risen
-/// by it: between two such maxima the curve dips that far below both, and any maximum of that
-/// prominence has such a rise and fall, so this is the count of find_peaks(prominence=...).
+/// Counts, sample by sample, the maxima of a curve whose prominence is at least `prominence`. Prominence is
+/// the height above the higher of the two lowest points that separate the maximum from higher ground or from
+/// the curve's ends.
+///
+/// A maximum counts once the curve has risen by the prominence before it and fallen by the prominence after
+/// it. Between two such maxima the curve dips that far below both, and any maximum of that prominence has
+/// such a rise and fall. The count therefore equals that of find_peaks(prominence=...).
 class PeakCounter {
   public:
     explicit PeakCounter(double prominence) : prominence_(prominence) {}
@@ -22,30 +24,30 @@ class PeakCounter {
 
   private:
     double prominence_;
-    double extreme_ = 0.0;  // lowest since the last peak, or highest since the rise
+    double extreme_ = 0.0;  // minimum since the last peak, or maximum since the rise
     bool rising_ = false;
     bool started_ = false;
     int count_ = 0;
 };
 
-/// Largest absolute difference between a curve and its wavelet-denoised self.
+/// Largest absolute difference between a curve and its wavelet-denoised version.
 [[nodiscard]] double rocking(std::span<const double> curve);
 
-/// Smoothness of a speed profile sampled at `rate` [Hz]: minus the logarithm of its dimensionless jerk, the
-/// integral of the squared second derivative of speed times duration^3 over the greatest speed squared
-/// (Hogan & Sternad 2009, J Mot Behav 41:529; logarithm as in Balasubramanian et al. 2015, J NeuroEng
-/// Rehabil 12:112). A minimum-jerk movement has -ln 204.8. NaN for fewer than 4 samples or a speed of zero
-/// throughout; infinite where speed changes evenly.
+/// Smoothness of a speed profile sampled at `rate` [Hz]: minus the logarithm of its dimensionless jerk,
+/// -ln(integral of (d^2 speed/dt^2)^2 dt * duration^3 / max speed^2) (Hogan & Sternad 2009, J Mot Behav
+/// 41:529; logarithm as in Balasubramanian et al. 2015, J NeuroEng Rehabil 12:112). A minimum-jerk movement
+/// has -ln 204.8. NaN for fewer than 4 samples or zero speed throughout; infinite where speed changes
+/// linearly.
 [[nodiscard]] double log_dimensionless_jerk(std::span<const double> speed, double rate);
 
-/// A time series on a uniform grid, each sample the mean over its bin. When `capacity` samples are
-/// exceeded, neighbours merge and the bins double, so memory stays bounded however long a run is.
+/// A time series on a uniform grid; each sample is the mean over its bin. When `capacity` samples are
+/// exceeded, adjacent bins merge and the bin width doubles, so that memory stays bounded.
 class BinnedSeries {
   public:
     BinnedSeries(double rate, std::size_t capacity) : width_(1.0 / rate), capacity_(capacity) {}
 
-    /// Adds `value` at `time` [s] since the series began; times must not decrease. Returns how many
-    /// bins this completed. Bins that no sample fell into take values on the line between neighbours.
+    /// Adds `value` at `time` [s] since the series began; times must not decrease. Returns the number of bins
+    /// completed. Empty bins are filled by linear interpolation.
     std::size_t add(double time, double value);
 
     [[nodiscard]] std::span<const double> values() const { return values_; }
@@ -56,8 +58,8 @@ class BinnedSeries {
 
     double width_;  // [s]
     std::size_t capacity_;
-    std::vector<double> values_;  // finished bins
-    std::size_t bin_ = 0;         // being filled
+    std::vector<double> values_;  // completed bins
+    std::size_t bin_ = 0;         // index of the bin being filled
     double sum_ = 0.0;
     int samples_ = 0;
 };

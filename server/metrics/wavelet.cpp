@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t taps = 8;
 
-// Synthesis low-pass of sym4; the other three filters are its mirror images.
+// Synthesis low-pass of sym4; the other three filters are mirror images of it.
 constexpr std::array<double, taps> scaling = {
     0.03222310060404270, -0.01260396726203783, -0.09921954357684722, 0.29785779560527736,
     0.80373875180591614, 0.49761866763201545,  -0.02963552764599851, -0.07576571478927333};
@@ -29,7 +29,7 @@ constexpr double high_analysis(std::size_t i) {
     return high_synthesis(taps - 1 - i);
 }
 
-// Sample `i` of the signal mirrored half a sample beyond both ends, as often as needed.
+// Sample `i` of the half-sample symmetric extension.
 double mirrored(std::span<const double> signal, std::ptrdiff_t i) {
     const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(signal.size());
     std::ptrdiff_t k = i % (2 * n);
@@ -64,7 +64,7 @@ std::vector<double> join_level(std::span<const double> low, std::span<const doub
                                std::size_t length) {
     std::vector<double> signal(length, 0.0);
     for (std::size_t i = 0; i < length; ++i) {
-        // Coefficient k reaches sample i through tap i + taps - 2 - 2 k.
+        // Coefficient k contributes to sample i through tap i + taps - 2 - 2 k.
         const std::size_t reach = i + taps - 2;
         for (std::size_t k = (reach >= taps - 1 ? (reach - taps + 2) / 2 : 0);
              k < low.size() && 2 * k <= reach; ++k) {

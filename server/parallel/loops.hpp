@@ -7,13 +7,13 @@
 
 #include <cstddef>
 
-#include "server/parallel/hand_over.hpp"
+#include "server/parallel/tsan_annotations.hpp"
 
 namespace eti::parallel {
 
-// Every output has one writer, so that neither the cuts nor the number of threads change a bit.
+// Every output has one writer, so that results do not depend on partitioning or thread count.
 
-/// Calls `body` with the first and one past the last of ranges that are cut no finer than `grain`.
+/// Calls `body(begin, end)` for ranges of at least `grain` indices that cover [0, count).
 template <class Body>
 void for_ranges(std::size_t count, std::size_t grain, const Body& body) {
     if (count <= grain) {
@@ -21,13 +21,13 @@ void for_ranges(std::size_t count, std::size_t grain, const Body& body) {
         return;
     }
     const auto part = [&body](const tbb::blocked_range<std::size_t>& range) {
-        take_work();
+        tsan_acquire_work();
         body(range.begin(), range.end());
-        give_result();
+        tsan_release_result();
     };
-    give_work();
+    tsan_release_work();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), part);
-    take_results();
+    tsan_acquire_results();
 }
 
 /// Calls `body` with each index below `count`.
@@ -40,9 +40,9 @@ void for_each(Index count, std::size_t grain, const Body& body) {
     });
 }
 
-/// Calls both, one beside the other.
+/// Calls both functions concurrently.
 template <class First, class Second>
-void both(const First& first, const Second& second) {
+void run_both(const First& first, const Second& second) {
     for_each(2, 1, [&](std::size_t i) { i == 0 ? first() : second(); });
 }
 

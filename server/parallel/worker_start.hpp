@@ -7,15 +7,16 @@
 #include <functional>
 #include <utility>
 
-#include "server/parallel/hand_over.hpp"
+#include "server/parallel/tsan_annotations.hpp"
 
 namespace eti::parallel {
 
-/// Calls `start` in every thread that helps the one that made this, before its next work.
+/// Calls `start` once in every worker thread of the constructing thread's arena, before the worker's next
+/// task.
 class WorkerStart : private tbb::task_scheduler_observer {
   public:
     explicit WorkerStart(std::function<void()> start) : start_(std::move(start)) {
-        give_work();
+        tsan_release_work();
         observe(true);
     }
     ~WorkerStart() override { observe(false); }
@@ -27,7 +28,7 @@ class WorkerStart : private tbb::task_scheduler_observer {
         thread_local const void* started_by = nullptr;
         if (is_worker && started_by != this) {
             started_by = this;
-            take_work();
+            tsan_acquire_work();
             start_();
         }
     }

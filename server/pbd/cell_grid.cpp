@@ -60,7 +60,7 @@ void CellGrid::sort(std::span<const Vec3f> points) {
         sum += start_[c];
         start_[c] = sum;
     }
-    // From the last point down: each start then ends up at its cell's first place.
+    // Backwards, so that each start ends up at its cell's first position.
     for (std::size_t i = count_; i-- > 0;) {
         order_[--start_[cell_[i]]] = static_cast<std::uint32_t>(i);
     }

@@ -12,32 +12,33 @@
 
 namespace eti::pbd {
 
-/// Sorts points into cubic cells, so that the points near another lie in nine runs of the sorted order.
-/// Cells are counted only within the points' bounding box. Nothing allocates after construction.
+/// Sorts points into cubic cells, so that a point's neighbours lie in nine runs of the sorted order. Only
+/// cells within the points' bounding box are counted. No allocation after construction.
 class CellGrid {
   public:
-    using Run = std::pair<std::uint32_t, std::uint32_t>;  ///< first and one past the last place
+    using Run = std::pair<std::uint32_t, std::uint32_t>;  ///< first and one past the last position in the
+                                                          ///< sorted order
 
-    /// Throws std::invalid_argument if the domain is empty or has more cells than memory is worth.
+    /// Throws std::invalid_argument if the domain is empty or has too many cells.
     CellGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size_t capacity);
 
-    /// Counting sort, stable; cells in the order z, y, x whatever the bounding box. Points are to lie within
-    /// the domain. Afterwards order()[place] is the point that belongs there.
+    /// Stable counting sort; cells in the order z, y, x, independent of the bounding box. Points must lie
+    /// within the domain. Afterwards order()[k] is the index of the k-th point.
     void sort(std::span<const Vec3f> points);
     [[nodiscard]] std::span<const std::uint32_t> order() const { return {order_.data(), count_}; }
-    /// Whether the points were in that order already.
+    /// Whether the points were already sorted.
     [[nodiscard]] bool was_sorted() const { return was_sorted_; }
-    /// The cell of the point at a place of the sorted order.
+    /// The cell of the point at position `place` of the sorted order.
     [[nodiscard]] std::uint32_t cell_at(std::size_t place) const { return cell_[order_[place]]; }
-    /// Places of the points in the 27 cells about `cell`.
+    /// Runs of the points in the 27 cells around `cell`.
     [[nodiscard]] std::array<Run, 9> neighbours(std::uint32_t cell) const;
 
-    /// Places of the points in `cell`.
+    /// Run of the points in `cell`.
     [[nodiscard]] Run within(std::uint32_t cell) const { return {start_[cell], start_[cell + 1]}; }
-    /// Of the cells that hold points [m].
+    /// Centre of the occupied cells [m].
     [[nodiscard]] const Vec3f& middle() const { return middle_; }
 
-    /// Corner of the domain [m].
+    /// Lower corner of the domain [m].
     [[nodiscard]] const Vec3f& lower() const { return lower_; }
     [[nodiscard]] bool contains(const Vec3f& point) const {
         return (point.array() >= lower_.array()).all() && (point.array() < upper_.array()).all();

@@ -15,33 +15,33 @@ namespace eti::pbd {
 
 class Sleep;
 
-/// What holds particles of a soft body besides its clusters and tetrahedra. SoftBody walks its constraints
-/// at the moments below, so that a further one is added without a change to it. A virtual call is made once
-/// a pass, never once a particle: the kernel is a free function.
+/// A constraint on the particles of a soft body, besides its clusters and tetrahedra. SoftBody calls its
+/// constraints at the stages below, so that new kinds need no change to it. Virtual calls are made once per
+/// pass, never per particle: kernels are free functions.
 class Constraint {
   public:
     using Pair = std::array<std::uint32_t, 2>;
 
     virtual ~Constraint() = default;
 
-    /// Pairs of particles of which one must not sleep through what the other does. Of more than two particles
-    /// held together: each with each. Asked for once, by SoftBody::let_sleep().
-    [[nodiscard]] virtual std::span<const Pair> ties() const { return {}; }
-    /// Takes `particles.rest` as the new unloaded shape (after a change of posture).
+    /// Pairs of particles that must be awake together. A constraint on more than two particles lists every
+    /// pair. Called once, by SoftBody::enable_sleeping().
+    [[nodiscard]] virtual std::span<const Pair> coupled_pairs() const { return {}; }
+    /// Adopts `particles.rest` as the new unloaded shape (after a change of posture).
     virtual void set_rest(const Particles& /*particles*/) {}
-    /// Forgets the past: all particles are at rest.
+    /// Discards all history: all particles are at rest.
     virtual void reset() {}
-    /// Once per step, before it is settled who sleeps: finds what may meet in the step, and wakes whom it has
-    /// to.
+    /// Called once per step, before sleep is decided: finds what may collide in the step, and wakes particles
+    /// where needed.
     virtual void begin_step(Particles& /*particles*/, Sleep& /*sleep*/) {}
-    /// Leaves what holds only sleeping particles alone, until the next call.
+    /// Excludes elements whose particles all sleep, until the next call.
     virtual void select(const Particles& /*particles*/) {}
-    /// One pass of a substep of `dt` [s]: moves predicted positions of particles whose mobility is not 0.
-    /// Does not allocate. Not called while all sleep.
+    /// One pass of a substep of `dt` [s]: moves predicted positions of particles with non-zero mobility. Does
+    /// not allocate. Not called while all particles sleep.
     virtual void project(Particles& particles, float dt) = 0;
 };
 
-/// Any constraint as a value: a copy shares nothing with its origin.
+/// Holds any constraint by value; copies are deep.
 class AnyConstraint {
   public:
     template <std::derived_from<Constraint> Kind>

@@ -9,53 +9,54 @@
 
 namespace eti::pbd {
 
-// Eight floats that go through a kernel together. The compiler makes of them what the instruction set at
-// hand has, with the same bits (no fused operations): a kernel is inlined into one function for the baseline
-// and one for AVX2, and has_avx2() says which to call.
+// Eight floats processed together by a kernel. The compiler maps them to the available instruction set with
+// bit-identical results (no fused operations). A kernel is inlined into one function for the baseline and one
+// for AVX2; has_avx2() says which to call.
 
-// A store of lanes may change anything, also where a vector's numbers lie, as far as the compiler knows.
-// Loops that store therefore keep pointers of their own.
+// To the compiler, a store of lanes may alias anything, including a vector's data pointer. Loops that store
+// therefore keep local copies of pointers.
 
-using Four = float __attribute__((vector_size(16)));
+using Float4 = float __attribute__((vector_size(16)));
 using Lanes = float __attribute__((vector_size(32)));
 inline constexpr std::size_t lane_count = 8;
-static_assert(sizeof(Eigen::Vector4f) == sizeof(Four));
+static_assert(sizeof(Eigen::Vector4f) == sizeof(Float4));
 
 [[gnu::always_inline]] inline void load(const float* from, Lanes& to) {
     std::memcpy(&to, from, sizeof to);
 }
 
-[[nodiscard]] [[gnu::always_inline]] inline Four four(const float* from) {
-    Four out;
+[[nodiscard]] [[gnu::always_inline]] inline Float4 load_float4(const float* from) {
+    Float4 out;
     std::memcpy(&out, from, sizeof out);
     return out;
 }
-[[nodiscard]] [[gnu::always_inline]] inline Four four(const Eigen::Vector4f& from) {
-    return four(from.data());
+[[nodiscard]] [[gnu::always_inline]] inline Float4 load_float4(const Eigen::Vector4f& from) {
+    return load_float4(from.data());
 }
 
-[[gnu::always_inline]] inline void put(const Four& from, float* to) {
+[[gnu::always_inline]] inline void put(const Float4& from, float* to) {
     std::memcpy(to, &from, sizeof from);
 }
-[[gnu::always_inline]] inline void put(const Four& from, Eigen::Vector4f& to) {
+[[gnu::always_inline]] inline void put(const Float4& from, Eigen::Vector4f& to) {
     put(from, to.data());
 }
 
-/// Square roots: correctly rounded, so the same bits from every instruction set. One instruction where
+/// Correctly rounded square roots, hence bit-identical on every instruction set. One instruction where
 /// sources are compiled with -fno-math-errno.
-[[gnu::always_inline]] inline void take_root(Lanes& of) {
+[[gnu::always_inline]] inline void sqrt_in_place(Lanes& of) {
     for (std::size_t l = 0; l < lane_count; ++l) {
         of[l] = std::sqrt(of[l]);
     }
 }
 
-/// Eight vectors x, y, z, w that begin `at` numbers of `from`, one to a lane: a transposition of 8 by 4.
+/// Gathers eight vectors x, y, z, w that start at offsets `at` in `from`, one per lane: an 8 x 4
+/// transposition.
 [[gnu::always_inline]] inline void gather(const float* from, const std::uint32_t* at, Lanes (&xyz)[3],
                                           Lanes& w) {
-    Lanes row[4];  // quadruple l and l + 4
+    Lanes row[4];  // vectors l and l + 4
     for (int l = 0; l < 4; ++l) {
-        Four low;
-        Four high;
+        Float4 low;
+        Float4 high;
         std::memcpy(&low, from + at[l], sizeof low);
         std::memcpy(&high, from + at[l + 4], sizeof high);
         row[l] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
@@ -70,7 +71,7 @@ static_assert(sizeof(Eigen::Vector4f) == sizeof(Four));
     w = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/// The same back: vectors of lanes l and l + 4, for l from 0 to 3.
+/// The inverse: row l holds the vectors of lanes l and l + 4, for l from 0 to 3.
 [[gnu::always_inline]] inline void transpose(const Lanes (&xyz)[3], const Lanes& w, Lanes (&row)[4]) {
     const Lanes a = __builtin_shufflevector(xyz[0], xyz[1], 0, 8, 1, 9, 4, 12, 5, 13);
     const Lanes b = __builtin_shufflevector(xyz[0], xyz[1], 2, 10, 3, 11, 6, 14, 7, 15);
@@ -92,25 +93,20 @@ static_assert(sizeof(Eigen::Vector4f) == sizeof(Four));
     }
 }
 
-/// As scatter, but adds. No place may occur twice.
+/// Like scatter(), but adds. Offsets must be distinct.
 [[gnu::always_inline]] inline void scatter_add(float* to, const std::uint32_t* at, const Lanes (&xyz)[3],
                                                const Lanes& w) {
     Lanes row[4];
     transpose(xyz, w, row);
     for (int l = 0; l < 4; ++l) {
-        put(four(to + at[l]) + __builtin_shufflevector(row[l], row[l], 0, 1, 2, 3), to + at[l]);
-        put(four(to + at[l + 4]) + __builtin_shufflevector(row[l], row[l], 4, 5, 6, 7), to + at[l + 4]);
+        put(load_float4(to + at[l]) + __builtin_shufflevector(row[l], row[l], 0, 1, 2, 3), to + at[l]);
+        put(load_float4(to + at[l + 4]) + __builtin_shufflevector(row[l], row[l], 4, 5, 6, 7),
+            to + at[l + 4]);
     }
 }
 
-#if defined(__x86_64__)
-[[nodiscard]] inline bool has_avx2() {
-    return __builtin_cpu_supports("avx2");
-}
-#else
-[[nodiscard]] inline bool has_avx2() {
-    return false;
-}
-#endif
+/// Whether kernels run in their AVX2 form: where the processor has it, unless the environment variable
+/// ETI_SIMD is "sse2". Read once per process.
+[[nodiscard]] bool has_avx2();
 
 }  // namespace eti::pbd

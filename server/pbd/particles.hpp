@@ -10,30 +10,32 @@
 
 namespace eti::pbd {
 
-/// What a particle may collide with, as bits of its channels.
+/// Collision channels of a particle, as bits.
 namespace channel {
 inline constexpr std::uint8_t blade = 1;  ///< the laryngoscope's capsules
 inline constexpr std::uint8_t tube = 2;   ///< the tube's segments
-inline constexpr std::uint8_t shell = 4;  ///< the offset shell (tongue and fluid only: tissue is inside it)
+inline constexpr std::uint8_t shell = 4;  ///< the offset shell (tongue and fluid only; other tissue lies
+                                          ///< inside it)
 }  // namespace channel
 
-/// State of all particles, structure of arrays; lengths in metres, masses in kilograms.
+/// State of all particles, as a structure of arrays [particles]; lengths in metres, masses in kilograms.
 struct Particles {
     std::vector<Vec3f> position;
-    std::vector<Vec3f> predicted;     ///< where the constraints move the particle in this substep
+    std::vector<Vec3f> predicted;     ///< position at the end of this substep, as moved by constraints
     std::vector<Vec3f> velocity;      ///< [m/s]
     std::vector<Vec3f> rest;          ///< unloaded position in the current posture
-    std::vector<float> inverse_mass;  ///< [1/kg]; 0: moves only with its bone
+    std::vector<float> inverse_mass;  ///< [1/kg]; 0: moves with its bone only
     std::vector<float> radius;
     std::vector<std::uint8_t> channels;
-    std::vector<std::uint8_t> object;  ///< caller's tag (tissue)
-    std::vector<std::uint8_t> asleep;  ///< 1: at rest, and not moved until it is woken (see Sleep)
-    std::vector<std::array<std::uint32_t, 2>> awake;  ///< the others: first and one past the last, ascending
+    std::vector<std::uint8_t> object;                 ///< caller's tag (tissue)
+    std::vector<std::uint8_t> asleep;                 ///< 1: at rest, not moved until woken (see Sleep)
+    std::vector<std::array<std::uint32_t, 2>> awake;  ///< ranges of awake particles: first and one past the
+                                                      ///< last, ascending
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
-    /// [1/kg], with which contacts and constraints may move a particle now.
+    /// Inverse mass [1/kg] for contacts and constraints; 0 while asleep.
     [[nodiscard]] float mobility(std::size_t i) const { return asleep[i] != 0 ? 0.0f : inverse_mass[i]; }
-    /// body(particle) for each that is awake, ascending.
+    /// Calls body(particle) for each awake particle, ascending.
     template <class Body>
     void for_awake(const Body& body) const {
         for (const auto& [begin, end] : awake) {
@@ -52,7 +54,7 @@ struct Particles {
         channels.resize(count, 0);
         object.resize(count, 0);
         asleep.assign(count, 0);
-        awake.reserve(count / 2 + 1);  // every other one: a step allocates nothing
+        awake.reserve(count / 2 + 1);  // worst case (every other one awake): a step does not allocate
         awake.assign(1, {0, static_cast<std::uint32_t>(count)});
     }
 };

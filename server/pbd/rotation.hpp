@@ -4,9 +4,9 @@
 
 namespace eti::pbd {
 
-/// Columns of the rotation that a quaternion x, y, z, w of any length but zero stands for.
+/// Columns of the rotation of a quaternion x, y, z, w of any non-zero length.
 template <class T>
-[[gnu::always_inline]] inline void columns_of(const T (&q)[4], T (&r)[3][3]) {
+[[gnu::always_inline]] inline void rotation_columns(const T (&q)[4], T (&r)[3][3]) {
     const T two = 2.0f / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     const T x = two * q[0], y = two * q[1], z = two * q[2];
     const T xx = x * q[0], yy = y * q[1], zz = z * q[2];
@@ -24,13 +24,13 @@ template <class T>
     r[2][2] = one - xx - yy;
 }
 
-/// Turns the quaternion `q` (x, y, z, w) towards the rotation of the polar decomposition of the matrix with
-/// columns `a` (Müller, Bender, Chentanez & Macklin 2016, "A robust method to extract the rotational part
-/// of deformations"). Always a proper rotation, also for singular or inverted `a`. Its length grows by less
-/// than a third a step; normalise it now and then. For any T with the arithmetic of numbers, as
-/// neo_hookean.hpp: no square root, so all give the same bits.
+/// Rotates the quaternion `q` (x, y, z, w) towards the rotation of the polar decomposition of the matrix with
+/// columns `a` (Müller, Bender, Chentanez & Macklin 2016, "A robust method to extract the rotational part of
+/// deformations"). Always a proper rotation, also for singular or inverted `a`. Its length grows by less than
+/// a third per iteration; normalise it occasionally. Works for any T with arithmetic (see neo_hookean.hpp);
+/// without square roots, so that all give identical bits.
 template <class T>
-[[gnu::always_inline]] inline void turn_towards(const T (&a)[3][3], T (&q)[4], int steps) {
+[[gnu::always_inline]] inline void extract_rotation(const T (&a)[3][3], T (&q)[4], int steps) {
     const T none{};
     const auto raise = [&](T& largest, const T& x) {  // to the magnitude of x
         largest = x > largest ? x : largest;
@@ -38,7 +38,7 @@ template <class T>
     };
     for (int step = 0; step < steps; ++step) {
         T r[3][3];
-        columns_of(q, r);
+        rotation_columns(q, r);
         T turn[3] = {none, none, none};
         T trace = none;
         for (int c = 0; c < 3; ++c) {
@@ -47,10 +47,11 @@ template <class T>
             turn[2] += r[c][0] * a[c][1] - r[c][1] * a[c][0];
             trace += r[c][0] * a[c][0] + r[c][1] * a[c][1] + r[c][2] * a[c][2];
         }
-        // Near the solution `turn` is (s_i + s_j) / (s_1 + s_2 + s_3) of the angle left, for principal
-        // stretches s: two thirds where they are equal. Three halves of it converge five times a step
-        // for stretches of 0.7 to 1.3, and still converge (rate 1/2) for flat and linear clusters. An
-        // inverted or flat cluster can ask for more than a radian about an axis; bounded steps converge too.
+        // Near the solution `turn` is (s_i + s_j) / (s_1 + s_2 + s_3) times the remaining angle, for
+        // principal stretches s: two thirds where they are equal. Three halves of it gain a factor of five
+        // per iteration for stretches of 0.7 to 1.3, and still converge (rate 1/2) for flat and linear
+        // clusters. An inverted or flat cluster can request more than a radian about an axis; bounded
+        // iterations converge too.
         T wanted = none;
         raise(wanted, trace);
         wanted += 1e-20f;
@@ -58,12 +59,13 @@ template <class T>
         for (const T& part : turn) {
             raise(longest, part);
         }
-        // A turn of less than this [rad] moves a cluster's rim by less than a float of its position tells.
+        // A rotation below this [rad] moves a cluster's rim by less than a float of its position resolves.
         constexpr float smallest = 1e-6f;
         T least = 1.5f * longest;
         raise(least, wanted);
         const T half = longest > smallest * wanted ? 0.75f / least : none;
-        // Quaternion (1, omega / 2): turns by 2 atan(|omega| / 2), the same for small steps, without a sine.
+        // Quaternion (1, omega / 2): rotates by 2 atan(|omega| / 2), equal to omega for small steps, without
+        // a sine.
         const T ox = half * turn[0], oy = half * turn[1], oz = half * turn[2];
         const T x = q[0], y = q[1], z = q[2], w = q[3];
         q[0] = x + ox * w + oy * z - oz * y;

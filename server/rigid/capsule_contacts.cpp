@@ -11,7 +11,7 @@
 namespace eti::rigid {
 namespace {
 
-// Angles below this count as flat: float positions of a millimetre mesh are good to about 1e-4 rad.
+// Sine of angles that count as flat: float positions of a millimetre mesh are accurate to about 1e-4 rad.
 constexpr float flat_sine = 1e-3f;
 
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
@@ -26,7 +26,7 @@ Vec3f face_normal(const MeshView& mesh, std::uint32_t triangle) {
     return norm > 0.0f ? Vec3f(cross / norm) : Vec3f(Vec3f::Zero());
 }
 
-// True when moving from the mesh point along `towards` does not approach the core point.
+// True if moving the mesh point along `towards` does not approach the core point.
 bool recedes(const Vec3f& to_core, const Vec3f& towards) {
     return to_core.dot(towards) <= flat_sine * to_core.norm() * towards.norm();
 }
@@ -52,7 +52,7 @@ bool is_front_and_minimal_at_edge(const MeshView& mesh, std::uint32_t triangle, 
 
 bool is_front_and_minimal_at_vertex(const MeshView& mesh, std::uint32_t vertex, const Vec3f& to_core) {
     Vec3f outward = Vec3f::Zero();
-    for (const std::uint32_t triangle : mesh.topology.around(vertex)) {
+    for (const std::uint32_t triangle : mesh.topology.incident_triangles(vertex)) {
         outward += face_normal(mesh, triangle);
         for (const std::uint32_t other : mesh.triangles[triangle]) {
             if (other != vertex && !recedes(to_core, mesh.vertices[other] - mesh.vertices[vertex])) {
@@ -63,8 +63,8 @@ bool is_front_and_minimal_at_vertex(const MeshView& mesh, std::uint32_t vertex, 
     return to_core.dot(outward) > 0.0f;
 }
 
-// Convex or border edges can hold a local minimum of the distance to a core's inside; flat and
-// concave ones cannot, and an edge that two triangles share is tried once.
+// Only convex or border edges can hold a local minimum of the distance to the core's interior; flat and
+// concave ones cannot. An edge shared by two triangles is tested once.
 bool edge_can_touch(const MeshView& mesh, std::uint32_t triangle, int edge) {
     const std::uint32_t neighbour = mesh.topology.neighbour(triangle, edge);
     if (neighbour == MeshTopology::none) {

@@ -9,20 +9,20 @@
 
 #include "common/math/transform.hpp"
 #include "common/mesh/triangle_mesh.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti::rigid {
 
-/// A capsule close to, or into, a triangle. Units are those of the input.
+/// Contact of a capsule with a triangle that it is near or penetrates. Units are those of the input.
 struct CapsuleContact {
     Vec3f point = Vec3f::Zero();    ///< on the triangle
     Vec3f normal = Vec3f::UnitZ();  ///< unit, from the triangle to the capsule's core
-    float distance = 0.0f;          ///< of the capsule's surface; negative when it penetrates
+    float distance = 0.0f;          ///< to the capsule's surface; negative when penetrating
     std::uint32_t triangle = 0;
     std::uint32_t capsule = 0;
 };
 
-/// Which triangles share the edges and vertices of a mesh; positions play no part.
+/// Triangle adjacency of a mesh across edges and vertices; independent of positions.
 class MeshTopology {
   public:
     MeshTopology() = default;
@@ -30,15 +30,15 @@ class MeshTopology {
 
     static constexpr std::uint32_t none = 0xffffffffu;
 
-    /// The vertex across edge `edge` (from corner `edge` to the next) of `triangle`; none at a border.
+    /// The vertex opposite edge `edge` (from corner `edge` to the next) of `triangle`; `none` at a border.
     [[nodiscard]] std::uint32_t across(std::uint32_t triangle, int edge) const {
         return across_[triangle][static_cast<std::size_t>(edge)];
     }
-    /// The triangle across that edge; none at a border.
+    /// The triangle across that edge; `none` at a border.
     [[nodiscard]] std::uint32_t neighbour(std::uint32_t triangle, int edge) const {
         return neighbour_[triangle][static_cast<std::size_t>(edge)];
     }
-    [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t vertex) const {
+    [[nodiscard]] std::span<const std::uint32_t> incident_triangles(std::uint32_t vertex) const {
         return std::span(ring_).subspan(ring_first_[vertex], ring_first_[vertex + 1] - ring_first_[vertex]);
     }
 
@@ -57,16 +57,17 @@ struct MeshView {
 
 /// Appends the contacts of `capsule` with one triangle whose distance is below `margin`.
 ///
-/// A contact is a pair of a core point p and a mesh point q where q is a local minimum over the
-/// whole mesh of the distance to p. Pairs that are a minimum on their own triangle only (the inner
-/// edges that a sliding body catches on) are left out, because a neighbour supplies the nearer pair.
-/// Triangles act on their front side only. Core points tried: the core's ends, and those nearest
-/// to the triangle's convex and border edges; these include every local minimum of the pair, and
-/// both ends of a capsule that lies flat.
+/// A contact is a pair of a core point p and a mesh point q, where q is a local minimum over the whole mesh
+/// of the distance to p. Pairs that are a minimum on their own triangle only (the internal edges that a
+/// sliding body catches on) are left out, because a neighbour supplies the nearer pair. Triangles are
+/// one-sided: they act on their front.
+///
+/// Candidate core points are the core's ends and the points nearest to the triangle's convex and border
+/// edges. They include every local minimum of the pair, and both ends of a capsule that lies flat.
 void append_contacts(const Capsule& capsule, std::uint32_t capsule_index, std::uint32_t triangle,
                      const MeshView& mesh, float margin, std::vector<CapsuleContact>& contacts);
 
-/// Part of a triangle that a point lies nearest to.
+/// Part of a triangle that holds the closest point.
 enum class Feature : std::uint8_t { vertex, edge, face };
 
 struct ClosestPoint {

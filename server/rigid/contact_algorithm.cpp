@@ -52,7 +52,7 @@ void ProxyShellAlgorithm::processCollision(const btCollisionObjectWrapper* first
         point.m_positionWorldOnA = on_proxy;
         point.m_positionWorldOnB = on_shell;
         point.m_combinedFriction = buffer_.friction;
-        // The distance is positive while the contact is still ahead; the manifold must keep it.
+        // The distance is positive before touch; the manifold must keep the contact.
         buffer_.manifolds.back()->setContactBreakingThreshold(BT_LARGE_FLOAT);
         buffer_.manifolds.back()->addManifoldPoint(point);
     }

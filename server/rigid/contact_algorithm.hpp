@@ -17,28 +17,28 @@ namespace eti::rigid {
     return {v.x(), v.y(), v.z()};
 }
 
-/// Contacts of the proxy for one substep, in Bullet's world (centimetres), and the solver's answer.
+/// Contacts of the proxy for one substep, in Bullet's world (centimetres), and the solver's impulses.
 struct ContactBuffer {
     struct Impulse {
-        btVector3 arm;     ///< [cm], from the proxy's origin to where the solver applied the impulse
-        btVector3 total;   ///< [kg cm/s], friction included, on the proxy
-        float normal = 0;  ///< [kg cm/s], along the contact's normal
+        btVector3 arm;     ///< [cm], from the proxy's origin to the point of application
+        btVector3 total;   ///< [kg cm/s], on the proxy, friction included
+        float normal = 0;  ///< [kg cm/s], along the contact normal
     };
     std::vector<CapsuleContact> contacts;
     std::vector<Impulse> impulses;  ///< one per contact, after the substep
-    std::vector<Capsule> capsules;  ///< [cm], in the world, as of the substep's start
-    btVector3 origin{0, 0, 0};      ///< [cm], proxy's origin at the substep's start
+    std::vector<Capsule> capsules;  ///< [cm], world frame, at the substep's start
+    btVector3 origin{0, 0, 0};      ///< [cm], the proxy's origin at the substep's start
     float friction = 0.0f;
     const btCollisionObject* proxy = nullptr;
     std::vector<btPersistentManifold*> manifolds;
 
-    /// Reads what the solver applied into `impulses`.
+    /// Reads the solver's applied impulses into `impulses`.
     void read_impulses();
 };
 
-/// Bullet's narrow phase for the proxy against the shell. Bullet's own keeps four points per capsule,
-/// carries them over between steps and reports inner edges; this hands the solver every contact of
-/// the buffer in as many manifolds as it takes, and nothing from earlier steps.
+/// Narrow phase for the proxy against the shell. Bullet's own keeps four points per capsule, carries them
+/// over between steps and reports internal edges. This one passes every contact of the buffer to the solver,
+/// in as many manifolds as needed, and nothing from earlier steps.
 class ProxyShellAlgorithm : public btCollisionAlgorithm {
   public:
     ProxyShellAlgorithm(const btCollisionAlgorithmConstructionInfo& info, ContactBuffer& buffer)

@@ -32,17 +32,17 @@ RigidLayer::World::World(const Laryngoscope& scope, const TriangleMesh& mesh,
     dispatcher.registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, TRIANGLE_MESH_SHAPE_PROXYTYPE, &create);
     dispatcher.registerCollisionCreateFunc(TRIANGLE_MESH_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE, &create);
 
-    // No random order, no processor-dependent code path: same inputs, same bits. The solver hands back
-    // the impulses only in warm-starting mode; the contacts it gets are new, so nothing is warm.
+    // No randomised order and no processor-dependent code path, so that results are bit-identical. The solver
+    // returns impulses only in warm-starting mode; its contacts are always new, so nothing is warm-started.
     btContactSolverInfo& info = world.getSolverInfo();
     info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS;
     info.m_warmstartingFactor = 0.0f;
     info.m_numIterations = settings.solver_iterations;
     info.m_leastSquaresResidualThreshold =
         to_cm * settings.solver_residual * to_cm * settings.solver_residual;
-    info.m_splitImpulse = true;  // depth is corrected without adding to the reported force
+    info.m_splitImpulse = true;  // corrects depth without adding to the reported force
     info.m_splitImpulsePenetrationThreshold = 0.0f;
-    info.m_erp2 = 0.4f;  // share of the depth corrected per substep
+    info.m_erp2 = 0.4f;  // fraction of the depth corrected per substep
     info.m_splitImpulseTurnErp = 1.0f;
     world.getSimulationIslandManager()->setSplitIslands(false);
     world.setGravity({0, 0, 0});
@@ -95,14 +95,14 @@ void RigidLayer::World::build_tool(const Laryngoscope& scope) {
 }
 
 void RigidLayer::World::bound_triangles() {
-    middles.resize(triangles.size());
+    centroids.resize(triangles.size());
     extents.resize(triangles.size());
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         const Triangle& t = triangles[i];
-        middles[i] = (vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3.0f;
-        extents[i] = std::sqrt(std::max({(vertices[t[0]] - middles[i]).squaredNorm(),
-                                         (vertices[t[1]] - middles[i]).squaredNorm(),
-                                         (vertices[t[2]] - middles[i]).squaredNorm()}));
+        centroids[i] = (vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3.0f;
+        extents[i] = std::sqrt(std::max({(vertices[t[0]] - centroids[i]).squaredNorm(),
+                                         (vertices[t[1]] - centroids[i]).squaredNorm(),
+                                         (vertices[t[2]] - centroids[i]).squaredNorm()}));
     }
 }
 
@@ -115,7 +115,7 @@ void RigidLayer::World::build_shell() {
         static_cast<int>(sizeof(Vec3f)));
     const auto [low, high] = bounds();
     shell_shape = std::make_unique<ShellShape>(shell_mesh.get(), true, low, high);
-    // Widens the box that the broad phase sees, so that contacts still ahead are found there too.
+    // Enlarges the broad phase's box, so that contacts before touch are found.
     shell_shape->setMargin(smallest_radius);
     shell = std::make_unique<btRigidBody>(
         btRigidBody::btRigidBodyConstructionInfo(0.0f, nullptr, shell_shape.get()));
@@ -129,7 +129,7 @@ std::pair<btVector3, btVector3> RigidLayer::World::bounds() const {
         low = low.cwiseMin(vertex);
         high = high.cwiseMax(vertex);
     }
-    // A flat shell has a box without volume, which the quantised tree cannot divide by.
+    // A flat shell has a box without volume, by which the quantised tree cannot divide.
     const Vec3f room = Vec3f::Constant(smallest_radius);
     return {to_bullet(Vec3f(low - room)), to_bullet(Vec3f(high + room))};
 }
@@ -152,15 +152,15 @@ void RigidLayer::World::place(const RigidTransform& pose) {
 
 bool RigidLayer::World::may_touch(std::uint32_t triangle, const Capsule& capsule, float within) const {
     const Vec3f line = capsule.b - capsule.a;
-    const Vec3f offset = middles[triangle] - capsule.a;
+    const Vec3f offset = centroids[triangle] - capsule.a;
     const float share = std::clamp(line.dot(offset) / std::max(line.squaredNorm(), 1e-12f), 0.0f, 1.0f);
     const float limit = within + extents[triangle];
     return (offset - share * line).squaredNorm() <= limit * limit;
 }
 
-// The box around a long oblique capsule holds many times the triangles near it; boxes around short
-// pieces do not. Sorted, so that the order does not depend on the tree.
-void RigidLayer::World::find_about(const Capsule& capsule, float within, std::vector<std::uint32_t>& found) {
+// The bounding box of a long oblique capsule contains many times the triangles near it; boxes of short pieces
+// do not. Sorted, so that the order does not depend on the tree.
+void RigidLayer::World::find_near(const Capsule& capsule, float within, std::vector<std::uint32_t>& found) {
     constexpr float piece_length = 2.0f;  // [cm]
     const Vec3f axis = capsule.b - capsule.a;
     struct Collector : btTriangleCallback {
@@ -198,7 +198,7 @@ void RigidLayer::World::find_triangles(std::size_t number, const Capsule& capsul
         about.a = capsule.a;
         about.b = capsule.b;
         about.known = true;
-        find_about(capsule, capsule.radius + margin + surroundings_slack, about.triangles);
+        find_near(capsule, capsule.radius + margin + surroundings_slack, about.triangles);
     }
     nearby.clear();
     for (const std::uint32_t triangle : about.triangles) {
@@ -269,11 +269,11 @@ float RigidLayer::World::farthest_move(const btTransform& before, const btTransf
 }
 
 // Virtual coupling, implicit in time. With target x_d at the substep's end and velocity v_d,
-//   m (v' - v) = dt (k (x_d - x - dt v') + c (v_d - v') + f_contact)
-// is the same as a body of mass m + dt c + dt^2 k under the force k (x_d - x - dt v) + c (v_d - v):
-// with that mass the contact solver sees the coupling's resistance, so a pressed proxy at rest
-// carries exactly k (x_d - x), and no stiffness makes it unstable. The same holds for rotation.
-void RigidLayer::World::pull_towards(const RigidTransform& target, float dt) {
+//     m (v' - v) = dt (k (x_d - x - dt v') + c (v_d - v') + f_contact)
+// equals a body of mass m + dt c + dt^2 k under the force k (x_d - x - dt v) + c (v_d - v). With that mass
+// the contact solver includes the coupling's resistance: a pressed proxy at rest carries exactly k (x_d - x),
+// and any stiffness is stable. The same holds for rotation.
+void RigidLayer::World::apply_coupling(const RigidTransform& target, float dt) {
     const RigidTransform pose = pose_of(proxy->getWorldTransform());
     Vec3f velocity = from_bullet(proxy->getLinearVelocity()) / to_cm;
     Vec3f angular = from_bullet(proxy->getAngularVelocity());
@@ -314,7 +314,7 @@ void RigidLayer::World::advance(float dt) {
     world.stepSimulation(dt, 0);
     buffer.read_impulses();
 
-    // Contacts can turn translation into rotation and so speed up one end of the tool.
+    // Contacts can turn translation into rotation and thus speed up one end of the tool.
     const float allowed = motion_share * smallest_radius;
     if (const float moved = farthest_move(before, proxy->getWorldTransform()); moved > allowed) {
         const btTransform after = proxy->getWorldTransform();

@@ -46,8 +46,8 @@ void check(const Laryngoscope& scope, const TriangleMesh& shell, std::span<const
             "substeps must be at least 1 and at most max_substeps");
 }
 
-// Distances to a surface change by no more than the motion, but for a core that comes out of the
-// solid: behind its triangles there was no contact.
+// Distances to a surface change by at most the motion, except for a core that emerges from the solid: behind
+// its triangles there was no contact.
 bool came_from_behind(const std::array<float, 3>& before, const std::array<float, 3>& after, float motion) {
     for (std::size_t i = 0; i < before.size(); ++i) {
         if (before[i] - after[i] > motion) {
@@ -111,13 +111,13 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
     World& w = *world_;
     const RigidTransform start = w.device;
     const RigidTransform end = is_rigid(device_pose) ? device_pose : start;
-    const Vec3f way = end.translation - start.translation;
+    const Vec3f displacement = end.translation - start.translation;
     const Vec3f turn = rotation_vector(end.rotation * start.rotation.conjugate());
     const float reach = w.reach / to_cm;
-    const float device_speed = (way.norm() + reach * turn.norm()) / dt;
+    const float device_speed = (displacement.norm() + reach * turn.norm()) / dt;
     const bool jumped = device_speed > w.settings.device_speed_limit;
     w.device = end;
-    w.device_velocity = jumped ? Vec3f::Zero() : Vec3f(way / dt);
+    w.device_velocity = jumped ? Vec3f::Zero() : Vec3f(displacement / dt);
     w.device_angular_velocity = jumped ? Vec3f::Zero() : Vec3f(turn / dt);
 
     ProxyResult& result = w.result;
@@ -132,15 +132,15 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
     const float proxy_speed = result.velocity.norm() + reach * result.angular_velocity.norm();
     const float fastest = jumped ? w.settings.device_speed_limit : std::max(device_speed, proxy_speed);
     const float allowed = motion_share * w.smallest_radius / to_cm;
-    // A fifth more than the motion needs, so that the bound does not brake a proxy that catches up.
+    // 20 % more than the motion needs, so that the limit does not slow down a proxy that catches up.
     const int count = static_cast<int>(std::clamp(std::ceil(1.2f * fastest * dt / allowed),
                                                   static_cast<float>(w.settings.substeps),
                                                   static_cast<float>(w.settings.max_substeps)));
     const float substep = dt / static_cast<float>(count);
     result.substeps = count;
 
-    // A shell that moved into the proxy, or a reset inside it, leaves contacts that no small motion
-    // can satisfy. They are left out until the proxy has come free, whichever way the coupling pulls it.
+    // A shell that moved into the proxy, or a reset inside it, leaves contacts that no small motion can
+    // satisfy. They are ignored until the proxy is free, wherever the coupling pulls it.
     w.embedded = false;
     w.gather_contacts();
     if (w.too_deep()) {
@@ -152,11 +152,11 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
         RigidTransform target = end;
         if (!jumped && i < count) {
             target = {(quaternion_from(share * turn) * start.rotation).normalized(),
-                      start.translation + share * way};
+                      start.translation + share * displacement};
         }
         const btTransform before = w.proxy->getWorldTransform();
         const std::array<float, 3> nearest = w.nearest();
-        w.pull_towards(target, substep);
+        w.apply_coupling(target, substep);
         w.advance(substep);
         w.record_contacts(dt);
         w.gather_contacts();

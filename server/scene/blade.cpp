@@ -13,26 +13,25 @@ namespace eti::scene {
 
 namespace {
 
-constexpr float tissue_reach = 6e-3f;  // [m], a particle's radius and its way within a step
-// [m], an edge's radius and its way within a step; where it moves faster, its ends still meet the blade.
+constexpr float tissue_reach = 6e-3f;  // [m], a particle's radius and its displacement within a step
+// [m], an edge's radius and its displacement within a step; if it is faster, its ends still collide.
 constexpr float edge_reach = 3e-3f;
-// In radii of the ends: the blade sinks in between the ends of a shorter edge by less than 0.4 mm.
+// In radii of the ends: between the ends of a shorter edge the blade sinks in by less than 0.4 mm.
 constexpr float covered = 3.5f;
-// [m], half of an edge between particles that have been pressed apart: the blade may meet its middle.
+// [m], half of an edge between particles pressed apart, whose middle the blade may touch.
 constexpr float blade_wake_margin = 3e-3f;
-// Of the way within this step: who speeds up meets what is awake.
+// Multiple of this step's travel within which tissue is woken: margin for a blade that accelerates.
 constexpr float wake_ahead = 2.0f;
 constexpr std::uint32_t none = ~0u;
-// [m], what rounding may make of distances between points a few decimetres from the origin, and more.
+// [m], bound of rounding errors of distances between points a few decimetres from the origin.
 constexpr float blade_rounding = 1e-6f;
 
 }  // namespace
 
-BladeContact::BladeContact(const Laryngoscope& scope, std::vector<Edge> edges,
-                           std::vector<bool> met_elsewhere)
-    : scope_(scope), edges_(std::move(edges)), met_elsewhere_(std::move(met_elsewhere)) {
-    if (!met_elsewhere_.empty()) {
-        std::erase_if(edges_, [&](const Edge& e) { return met_elsewhere_[e[0]] && met_elsewhere_[e[1]]; });
+BladeContact::BladeContact(const Laryngoscope& scope, std::vector<Edge> edges, std::vector<bool> excluded)
+    : scope_(scope), edges_(std::move(edges)), excluded_(std::move(excluded)) {
+    if (!excluded_.empty()) {
+        std::erase_if(edges_, [&](const Edge& e) { return excluded_[e[0]] && excluded_[e[1]]; });
     }
     std::ranges::sort(edges_);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
@@ -52,7 +51,7 @@ void BladeContact::wake(pbd::SoftBody& body, const RigidTransform& from, const R
         box.min() -= margin;
         box.max() += margin;
         body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
-            return pbd::away_from(a, b, p).squaredNorm() < (reach + radius) * (reach + radius);
+            return pbd::offset_from_segment(a, b, p).squaredNorm() < (reach + radius) * (reach + radius);
         });
     }
 }
@@ -63,18 +62,19 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
     to_ = to;
     motion_ = {};
     torque_impulse_.setZero();
-    way_ = 0.0f;
-    // Where each capsule ends up, and its radius and way, within which it meets what does not move.
+    travel_ = 0.0f;
+    // Final position of each capsule, with its radius and travel, within which it touches resting particles.
     struct Reach {
         Vec3f a, b;
         float way;
         float distance;
-        float least;  // [m], that a point must be beyond it to be met by nothing of the way
-        float far;    // [m], from the axis, where particles are out of reach
+        float least;  // [m], distance beyond it that excludes contact anywhere on the path
+        float far;    // [m], distance from the axis that excludes contact
         Vec3f along;
-        float inverse_squared;  // [1/m^2], of the axis' length
+        float inverse_squared;  // [1/m^2], of the axis's length
     };
-    // Ends of capsules turn on arcs, which leave their chords by less than this part of the arm.
+    // Ends of rotating capsules move on arcs, which deviate from chords by less than this fraction of the
+    // arm.
     const float turn = from.rotation.angularDistance(to.rotation);
     const float bow = turn * turn;
     std::array<Reach, 3> reaches;
@@ -99,22 +99,22 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
         }
     }
     for (const std::uint32_t i : reachable_) {
-        number_of_[i] = none;
+        reachable_index_[i] = none;
     }
-    if (number_of_.size() != particles.size()) {
-        number_of_.resize(particles.size(), none);
-        reachable_.reserve(particles.size());  // so that no step allocates
+    if (reachable_index_.size() != particles.size()) {
+        reachable_index_.resize(particles.size(), none);
+        reachable_.reserve(particles.size());  // a step does not allocate
         impulse_.reserve(particles.size());
     }
     reachable_.clear();
-    particle_meetings_.clear();
+    particle_candidates_.clear();
     const auto pick = [&](std::uint32_t i) {
         const Vec3f& p = particles.position[i];
         if ((particles.channels[i] & pbd::channel::blade) == 0 || particles.inverse_mass[i] == 0.0f ||
             !box.contains(p)) {
             return;
         }
-        ParticleMeeting meeting{i, {}, {{p, p}, tissue_reach, 0.0f}};
+        ParticleCandidate meeting{i, {}, {{p, p}, tissue_reach, 0.0f}};
         bool near = false;
         for (std::uint32_t c = 0; c < reaches.size(); ++c) {
             const Reach& r = reaches[c];
@@ -123,28 +123,28 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
             const float squared = (from_a - t * r.along).squaredNorm();
             if (squared < r.far * r.far) {
                 near = meeting.capsule[c] = true;
-                way_ = std::max(way_, r.way);
+                travel_ = std::max(travel_, r.way);
                 meeting.clearance.gap = std::min(
                     meeting.clearance.gap, std::sqrt(squared) - r.distance - particles.radius[i] - r.least);
             }
         }
         if (near) {
-            number_of_[i] = static_cast<std::uint32_t>(reachable_.size());
+            reachable_index_[i] = static_cast<std::uint32_t>(reachable_.size());
             reachable_.push_back(i);
-            if (met_elsewhere_.empty() || !met_elsewhere_[i]) {
-                particle_meetings_.push_back(meeting);
+            if (excluded_.empty() || !excluded_[i]) {
+                particle_candidates_.push_back(meeting);
             }
         }
     };
     particles.for_awake(pick);
-    edge_meetings_.clear();
+    edge_candidates_.clear();
     for (const std::uint32_t i : reachable_) {
         if (i + std::size_t{1} >= first_edge_.size()) {
             break;
         }
         for (std::uint32_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
             const std::uint32_t k = edges_[e][1];
-            if (number_of_[k] == none) {
+            if (reachable_index_[k] == none) {
                 continue;
             }
             const Vec3f& a = particles.position[i];
@@ -159,7 +159,7 @@ void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransf
                 const auto [s, t] = closest_on_segments(a, b, r.a, r.b);
                 const float away = (a + s * (b - a) - r.a - t * (r.b - r.a)).norm() - r.distance;
                 if (away < edge_reach) {
-                    edge_meetings_.push_back({i, k, c, {{a, b}, away - radius - r.least, 0.0f}});
+                    edge_candidates_.push_back({i, k, c, {{a, b}, away - radius - r.least, 0.0f}});
                 }
             }
         }
@@ -183,12 +183,12 @@ void BladeContact::project(pbd::Particles& particles, float begin, float end, fl
     for (const pbd::MovingCapsule& c : capsules) {
         motion_.now = std::max({motion_.now, (c.a - c.a_before).norm(), (c.b - c.b_before).norm()});
     }
-    motion_.so_far += motion_.now;
+    motion_.in_step += motion_.now;
     push_.assign(reachable_.size(), Vec3f::Zero());
-    meet_edges(particles, capsules);
-    meet_particles(particles, capsules);
+    collide_edges(particles, capsules);
+    collide_particles(particles, capsules);
     for (std::size_t n = 0; n < reachable_.size(); ++n) {
-        if (!push_[n].isZero(0.0f)) {  // exactly: by default Eigen takes 1e-5 for zero
+        if (!push_[n].isZero(0.0f)) {  // exactly: Eigen's default tolerance is 1e-5
             const std::uint32_t i = reachable_[n];
             const Vec3f impulse = push_[n] / (particles.inverse_mass[i] * dt);
             impulse_[n] += impulse;
@@ -197,8 +197,8 @@ void BladeContact::project(pbd::Particles& particles, float begin, float end, fl
     }
 }
 
-/// Whether neither the particles, or any point of the edge between them, nor the blade have come far enough
-/// since to meet, anywhere on the way of this substep.
+/// Whether the particles, including every point of the edge between them, and the blade have moved too little
+/// since the cached distance to touch anywhere in this substep.
 bool BladeContact::out_of_reach(const pbd::Particles& particles, std::uint32_t first, std::uint32_t second,
                                 const Clearance& last, const Motion& blade) {
     if (last.gap <= blade_rounding) {
@@ -212,11 +212,12 @@ bool BladeContact::out_of_reach(const pbd::Particles& particles, std::uint32_t f
     if (second != first) {
         way = std::max(way, gone(second, last.seen[1]));
     }
-    return way + (blade.so_far - last.travelled) + blade.now + blade_rounding < last.gap;
+    return way + (blade.in_step - last.travelled) + blade.now + blade_rounding < last.gap;
 }
 
-void BladeContact::meet_edges(pbd::Particles& particles, const std::array<pbd::MovingCapsule, 3>& capsules) {
-    for (auto& [i, k, c, clearance] : edge_meetings_) {
+void BladeContact::collide_edges(pbd::Particles& particles,
+                                 const std::array<pbd::MovingCapsule, 3>& capsules) {
+    for (auto& [i, k, c, clearance] : edge_candidates_) {
         if (out_of_reach(particles, i, k, clearance, motion_)) {
             continue;
         }
@@ -230,7 +231,7 @@ void BladeContact::meet_edges(pbd::Particles& particles, const std::array<pbd::M
         const Vec3f point = along(particles.predicted);
         clearance = {{particles.predicted[i], particles.predicted[k]},
                      (point - capsule.a - on_axis * (capsule.b - capsule.a)).norm() - capsule.radius - radius,
-                     motion_.so_far};
+                     motion_.in_step};
         const Vec3f push = pbd::push_out_of(capsule, along(particles.position), point, radius, friction);
         if (push.isZero(0.0f)) {
             continue;
@@ -243,9 +244,9 @@ void BladeContact::meet_edges(pbd::Particles& particles, const std::array<pbd::M
     }
 }
 
-void BladeContact::meet_particles(pbd::Particles& particles,
-                                  const std::array<pbd::MovingCapsule, 3>& capsules) {
-    for (auto& [i, meets, clearance] : particle_meetings_) {
+void BladeContact::collide_particles(pbd::Particles& particles,
+                                     const std::array<pbd::MovingCapsule, 3>& capsules) {
+    for (auto& [i, meets, clearance] : particle_candidates_) {
         if (out_of_reach(particles, i, i, clearance, motion_)) {
             continue;
         }
@@ -259,7 +260,8 @@ void BladeContact::meet_particles(pbd::Particles& particles,
                 continue;
             }
             const pbd::MovingCapsule& capsule = capsules[c];
-            const float away = pbd::away_from(capsule.a, capsule.b, seen).norm() - capsule.radius - radius;
+            const float away =
+                pbd::offset_from_segment(capsule.a, capsule.b, seen).norm() - capsule.radius - radius;
             gap = std::min(gap, away);
             if (moved || away <= way) {
                 move(particles, i,
@@ -268,23 +270,23 @@ void BladeContact::meet_particles(pbd::Particles& particles,
                 moved = true;
             }
         }
-        clearance = {{seen, seen}, gap, motion_.so_far};
+        clearance = {{seen, seen}, gap, motion_.in_step};
     }
 }
 
 void BladeContact::move(pbd::Particles& particles, std::uint32_t particle, const Vec3f& push) {
     particles.predicted[particle] += push;
-    push_[number_of_[particle]] += push;
+    push_[reachable_index_[particle]] += push;
 }
 
 void BladeContact::add_impulse(std::uint32_t particle, const Vec3f& position, const Vec3f& impulse,
                                const RigidTransform& pose) {
-    if (number_of_[particle] == none) {
-        number_of_[particle] = static_cast<std::uint32_t>(reachable_.size());
+    if (reachable_index_[particle] == none) {
+        reachable_index_[particle] = static_cast<std::uint32_t>(reachable_.size());
         reachable_.push_back(particle);
         impulse_.push_back(Vec3f::Zero());
     }
-    impulse_[number_of_[particle]] += impulse;
+    impulse_[reachable_index_[particle]] += impulse;
     torque_impulse_ += (position - pose.translation).cross(impulse);
 }
 

@@ -2,11 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "server/pbd/friction.hpp"
+#include "server/pbd/contact/friction.hpp"
 
 namespace eti::scene {
 
-/// Coulomb's coefficients of wet mucosa, on what it meets.
+/// Coulomb friction coefficients of wet mucosa against other materials.
 inline constexpr pbd::Friction mucosa_on_steel(0.1f);
 inline constexpr pbd::Friction mucosa_on_mucosa(0.2f);
 inline constexpr pbd::Friction mucosa_on_tube(0.05f);

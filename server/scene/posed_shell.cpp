@@ -65,7 +65,7 @@ void PosedShell::pose_now(const anatomy::BonePoses& bones) {
     const bool grid_is_of_mesh = revision_ != 0 && !pending_.valid();
     const std::vector<Vec3f> before = vertices_;
     move(bones);
-    if (grid_is_of_mesh && vertices_ == before) {  // as at a reset: nothing to compute
+    if (grid_is_of_mesh && vertices_ == before) {  // as after a reset: nothing to compute
         ++revision_;
         return;
     }

@@ -12,20 +12,20 @@
 
 namespace eti::scene {
 
-/// The offset shell in the current posture: its mesh (for the rigid layer) at once, its distance grid
-/// (for tube and tongue) a fixed number of steps later. The grid takes a second to compute, far longer
-/// than a step; it is computed beside the simulation and taken over at a set step, whether it was ready
-/// early or must be waited for, so that a session re-runs to the same bits.
+/// The offset shell in the current posture: its mesh (for the rigid layer) at once, its distance grid (for
+/// tube and tongue) a fixed number of steps later. The grid takes about a second to compute, far longer than
+/// a step. It is computed in the background and adopted at a fixed step, early or late, so that a replayed
+/// session is bit-identical.
 class PosedShell {
   public:
     PosedShell(const anatomy::Patient& patient, const anatomy::BonePoses& bones);
 
-    /// Moves the mesh. The distance grid follows `grid_delay` steps later; a further move meanwhile is
-    /// picked up after that.
+    /// Moves the mesh. The distance grid follows `grid_delay` steps later; a move in between is picked up
+    /// after that.
     void pose(const anatomy::BonePoses& bones);
-    /// Moves mesh and grid, and waits for the grid where it has changed.
+    /// Moves mesh and grid, and waits for the grid if it has changed.
     void pose_now(const anatomy::BonePoses& bones);
-    /// Once per step; takes over a finished grid.
+    /// Call once per step; adopts a finished grid.
     void advance();
 
     [[nodiscard]] const std::vector<Vec3f>& vertices() const { return vertices_; }
@@ -33,8 +33,8 @@ class PosedShell {
     /// Changes whenever distance() does; never 0.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
-    static constexpr int grid_delay = 180;  ///< steps; a second
-    static constexpr float band = 4e-3f;    ///< [m], distances are exact within it
+    static constexpr int grid_delay = 180;  ///< [steps]; one second
+    static constexpr float band = 4e-3f;    ///< [m]; distances are exact within this band
 
   private:
     void move(const anatomy::BonePoses& bones);

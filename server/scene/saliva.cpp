@@ -13,27 +13,28 @@ namespace eti::scene {
 
 namespace {
 
-// Lengths are those of a newborn of 3.5 kg and shrink with the patient, volumes with their cube.
+// Lengths are for a newborn of 3.5 kg and scale with the patient; volumes scale with their cube.
 constexpr float spacing = 1e-3f;               // [m]
-constexpr float least_spacing = 0.85e-3f;      // [m], of any patient: saliva is only looked at
-constexpr float pool = 1.2e-6f;                // [m^3], in the throat at the start
-constexpr float film = 0.4e-6f;                // [m^3], on the tongue
-constexpr float gland_flow = 2e-9f;            // [m^3/s], of each; half a millilitre a minute together
-constexpr float gland_search = 8e-3f;          // [m], about the anatomical place for one that is free
-constexpr float sphincter_radius = 1.8e-3f;    // [m]; the gullet's half thickness and the shell's offset
+constexpr float min_spacing = 0.85e-3f;        // [m], for any patient: saliva is visual only
+constexpr float pool = 1.2e-6f;                // [m^3], initially in the throat
+constexpr float film = 0.4e-6f;                // [m^3], initially on the tongue
+constexpr float gland_flow = 2e-9f;            // [m^3/s], per gland; half a millilitre per minute in total
+constexpr float gland_search = 8e-3f;          // [m], search radius for free space around the anatomical
+                                               // position
+constexpr float sphincter_radius = 1.8e-3f;    // [m]; half the gullet's thickness plus the shell's offset
 constexpr float sphincter_half_width = 3e-3f;  // [m]
-constexpr float glottis_kept_free = 4e-3f;     // [m], from the pool at the start
-constexpr float beyond_head = 10e-3f;          // [m], where liquid that has run out is given up
+constexpr float glottis_kept_free = 4e-3f;     // [m], kept free of the initial pool
+constexpr float beyond_head = 10e-3f;          // [m], distance at which escaped liquid is removed
 
-// Particles may go through a wall of a tissue's particle's thickness in a substep above this speed; saliva
+// Above this speed particles may pass through a wall as thick as a tissue particle in one substep; saliva
 // hardly reaches it over the few centimetres that it can fall.
 constexpr float max_speed = 0.25f;  // [m/s]
 constexpr float substep = step_duration / Saliva::substeps;
-constexpr int steps_per_wall = 2;  // half as often as it moves costs half, and nobody sees it
-// How far the wall is kept right about each particle: beyond that it is as the liquid last met it.
+constexpr int steps_per_wall = 2;  // half the rate costs half, without visible difference
+// Distance around each particle within which the boundary is updated; farther away it is outdated.
 constexpr float way = 0.1f * step_duration * steps_per_wall;
 
-/// Where the head may be in any posture, as far as the shell goes.
+/// Bounding box of the head over all postures, as far as the shell reaches.
 std::array<Vec3f, 2> head_box(const anatomy::Patient& patient, float margin) {
     std::array<Vec3f, 2> box = {patient.shell.mesh.vertices.front(), patient.shell.mesh.vertices.front()};
     for (const float elevation : {0.0f, max_head_elevation}) {
@@ -73,7 +74,7 @@ pbd::MovingCapsule part_of(const pbd::MovingCapsule& whole, float begin, float e
 }  // namespace
 
 float saliva_spacing(const anatomy::Patient& patient) {
-    return std::max(size_of(patient) * spacing, least_spacing);
+    return std::max(size_of(patient) * spacing, min_spacing);
 }
 
 pbd::FluidSettings saliva_settings(float spacing, float dt, LiquidKind kind) {
@@ -85,8 +86,8 @@ pbd::FluidSettings saliva_settings(float spacing, float dt, LiquidKind kind) {
     s.wall_viscosity = liquid.wall_viscosity;
     s.surface_tension = liquid.surface_tension;
     s.max_speed = max_speed;
-    // A sixteenth of what the substep bears on paper (see FluidSettings), where that is less than the
-    // liquid's own: with more, what lies in clefts is pressed together, and does not come to rest.
+    // Limited to a sixteenth of the theoretical stability limit of the substep (see FluidSettings): above it,
+    // liquid in clefts is compressed and does not come to rest.
     const float stable =
         s.rest_density * spacing * spacing * spacing / (2.0f * std::numbers::pi_v<float> * dt * dt);
     s.surface_tension = std::min(s.surface_tension, 0.0625f * stable);
@@ -148,7 +149,7 @@ void Saliva::reset(const SalivaSurroundings& at, bool dry) {
 }
 
 /// The ducts: two under the tongue, two in the cheeks opposite the upper molars. The model has no such
-/// openings; each is put into free space nearest to where anatomy has it.
+/// openings; each is placed in the free space nearest to its anatomical position.
 void Saliva::find_glands(const SalivaSurroundings& at) {
     const Vec3f lower = eti::at(at.landmarks, Landmark::lower_gum);
     const Vec3f upper = eti::at(at.landmarks, Landmark::upper_gum);
@@ -196,7 +197,7 @@ bool Saliva::holds_liquid(const Vec3f& point, const Landmarks& landmarks) const 
            (point - eti::at(landmarks, Landmark::glottis)).norm() > glottis_kept_free * size_;
 }
 
-/// Fills free places from the one nearest to `from` on.
+/// Fills free lattice points, starting from the one nearest to `from`.
 void Saliva::fill(const Vec3f& from, std::size_t count, Order order, std::set<Place>& seen,
                   const Landmarks& landmarks) {
     const float step = fluid_.settings().spacing;
@@ -205,7 +206,7 @@ void Saliva::fill(const Vec3f& from, std::size_t count, Order order, std::set<Pl
     };
     const Vec3f start = nearest_free(from, gland_search * size_) / step;
     const Place origin{static_cast<int>(start.x()), static_cast<int>(start.y()), static_cast<int>(start.z())};
-    // Largest first; the place itself breaks ties, so that the order is the same everywhere.
+    // Largest first; ties are broken by position, so that the order is platform-independent.
     std::priority_queue<std::pair<int, Place>> open;
     const auto visit = [&](const Place& p) {
         if (!seen.contains(p) && holds_liquid(point(p), landmarks)) {
@@ -216,7 +217,7 @@ void Saliva::fill(const Vec3f& from, std::size_t count, Order order, std::set<Pl
         }
         seen.insert(p);
     };
-    constexpr int about = 2;  // rounding may have put the origin into the wall
+    constexpr int about = 2;  // rounding may have put the origin into the boundary
     for (int k = 0; k < (2 * about + 1) * (2 * about + 1) * (2 * about + 1); ++k) {
         visit({origin[0] + k % 5 - about, origin[1] + k / 5 % 5 - about, origin[2] + k / 25 - about});
     }
@@ -251,7 +252,7 @@ void Saliva::place_capsules(const SalivaSurroundings& during) {
         capsules_.push_back({during.tube_from[k], during.tube_from[k + 1], during.tube_to[k],
                              during.tube_to[k + 1], tube_radius_});
     }
-    // The gullet's sphincter is closed, so that secretions pool above it.
+    // The oesophageal sphincter is closed, so that secretions pool above it.
     const Vec3f inlet = eti::at(during.landmarks, Landmark::oesophagus_inlet);
     const Vec3f aside(sphincter_half_width * size_, 0.0f, 0.0f);
     capsules_.push_back(
@@ -267,7 +268,8 @@ void Saliva::begin_step(const SalivaSurroundings& during) {
     suction_[0].tip = during.blade_to * scope_.tip();
     tissue_.position = during.tissue.position;
     tissue_.radius = during.tissue.radius;
-    beside_.run([this, &shell = during.shell, revision = during.shell_revision] { run(shell, revision); });
+    background_task_.run(
+        [this, &shell = during.shell, revision = during.shell_revision] { run(shell, revision); });
 }
 
 void Saliva::run(const DistanceGrid& shell, std::uint64_t shell_revision) {
@@ -293,7 +295,7 @@ void Saliva::run(const DistanceGrid& shell, std::uint64_t shell_revision) {
 }
 
 void Saliva::end_step() {
-    beside_.wait();
+    background_task_.wait();
 }
 
 }  // namespace eti::scene

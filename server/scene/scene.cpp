@@ -7,18 +7,18 @@
 #include <cstring>
 
 #include "common/math/hash.hpp"
-#include "common/model/live.hpp"
+#include "common/model/runtime_parameters.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/model/swelling.hpp"
-#include "server/pbd/self_contact.hpp"
+#include "server/pbd/contact/self_contact.hpp"
 #include "server/scene/friction.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-constexpr int swelling_delay = 90;  // steps; half a second
-constexpr float tissue_weight_share = anatomy::tissue_own_density / anatomy::tissue_density;
+constexpr int swelling_delay = 90;  // [steps]; half a second
+constexpr float tissue_weight_share = anatomy::physical_tissue_density / anatomy::tissue_density;
 
 template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
@@ -39,16 +39,17 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
             .tongue_scale = settings.tongue_scale,
             .tissue_stiffness = patient.tissue_stiffness},
       tissue_(patient, settings.tissue_method, step_duration / static_cast<float>(settings.substeps)),
-      shell_(patient, bones_at(clamped(start.live))),
+      shell_(patient, bones_at(clamped(start.runtime_parameters))),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
       blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),
-      made_(tube),
-      tube_(tube_as(tube, start.live), scope, start.tube_grip) {
+      built_tube_(tube),
+      tube_(apply_to_tube(tube, start.runtime_parameters), scope, start.tube_grip) {
     if (settings.self_contact) {
         std::vector<std::uint32_t> surface;
         for (const auto& ends : tissue_.surface_edges()) {
             for (const std::uint32_t i : ends) {
-                if (tissue_.tissue_of(i) != Tissue::soft) {  // that the shell keeps out of the tongue's way
+                if (tissue_.tissue_of(i) != Tissue::soft) {  // particles that the shell does not keep out of
+                                                             // the tongue's way
                     surface.push_back(i);
                 }
             }
@@ -59,7 +60,7 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
         pbd::SelfContact contact;
         contact.configure(std::move(surface), patient.clusters.first, patient.clusters.member,
                           tissue_.body().particles);
-        tissue_.body().further.emplace_back(std::move(contact));
+        tissue_.body().constraints.emplace_back(std::move(contact));
     }
     if (settings.saliva) {
         saliva_.emplace(patient, scope, 0.5f * tube.outer_diameter, settings.seed, settings.liquid);
@@ -68,21 +69,21 @@ Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const T
     for (std::uint32_t i = 0; i < particles.size(); ++i) {
         if ((particles.channels[i] & pbd::channel::shell) != 0 && particles.inverse_mass[i] > 0.0f &&
             !tissue_.tongue().moves(i)) {
-            meets_shell_.push_back(i);
+            shell_particles_.push_back(i);
         }
     }
     if (settings.sleep) {
-        tissue_.let_sleep();
+        tissue_.enable_sleeping();
     }
-    snapshot_.tissue_contacts.reserve(particles.size());  // so that no step allocates
+    snapshot_.tissue_contacts.reserve(particles.size());  // a step does not allocate
     reset(start);
 }
 
 void Scene::reset(const Inputs& start) {
-    const LiveValues before = std::exchange(live_, clamped(start.live));
-    turn_gravity();
+    const RuntimeParameters before = std::exchange(live_, clamped(start.runtime_parameters));
+    update_gravity();
     if (live_.tongue_scale != before.tongue_scale) {
-        if (!tissue_.knows_swelling()) {
+        if (!tissue_.has_swelling()) {
             tissue_.set_swelling(swelling_.valid() ? swelling_.get() : anatomy::tongue_swelling(patient_));
         }
         tissue_.set_tongue_growth(growth());
@@ -90,7 +91,7 @@ void Scene::reset(const Inputs& start) {
     if (live_.tissue_stiffness != before.tissue_stiffness) {
         tissue_.set_stiffness(live_.tissue_stiffness);
     }
-    tube_.set_material(tube_as(made_, live_));
+    tube_.set_material(apply_to_tube(built_tube_, live_));
     const anatomy::BonePoses bones = bones_at(live_);
     tissue_.pose(bones);
     tissue_.reset();
@@ -101,7 +102,7 @@ void Scene::reset(const Inputs& start) {
     fill_proxy(start);
     fill_snapshot(start);
     if (saliva_) {
-        saliva_->reset(about_saliva(start.laryngoscope, 0.0f), settings_.dry_start);
+        saliva_->reset(saliva_surroundings(start.laryngoscope, 0.0f), settings_.dry_start);
         fill_saliva();
     }
 }
@@ -109,31 +110,32 @@ void Scene::reset(const Inputs& start) {
 void Scene::place_laryngoscope(const RigidTransform& pose) {
     rigid_.reset(pose);
     blade_pose_ = pose;
-    wake_tissue();  // what it pressed on until now
+    wake_tissue();  // tissue on which the blade pressed
 }
 
 void Scene::place_tube(const RigidTransform& grip) {
     tube_.reset(grip);
     grip_ = grip;
     wake_tissue();
-    tube_before_.clear();
+    previous_tube_nodes_.clear();
 }
 
-void Scene::follow(const LiveValues& wanted) {
-    LiveValues to = borne(clamped(wanted));
-    if (to.tongue_scale != live_.tongue_scale && !may_grow()) {
+void Scene::follow(const RuntimeParameters& wanted) {
+    RuntimeParameters to = clamp_to_stability_limit(clamped(wanted));
+    if (to.tongue_scale != live_.tongue_scale && !swelling_ready()) {
         to.tongue_scale = live_.tongue_scale;
     }
-    const LiveValues before = std::exchange(live_, followed(live_, to, step_duration, settings_.haste));
+    const RuntimeParameters before =
+        std::exchange(live_, advance_towards(live_, to, step_duration, settings_.rate_scale));
     if (live_.table_angle != before.table_angle) {
-        turn_gravity();
+        update_gravity();
     }
     if (live_.tissue_stiffness != before.tissue_stiffness) {
         tissue_.set_stiffness(live_.tissue_stiffness);
     }
     if (live_.tube_youngs_modulus != before.tube_youngs_modulus ||
         live_.tube_curve_radius != before.tube_curve_radius) {
-        tube_.set_material(tube_as(made_, live_));
+        tube_.set_material(apply_to_tube(built_tube_, live_));
     }
     const bool tongue_grows = live_.tongue_scale != before.tongue_scale;
     if (tongue_grows) {
@@ -152,15 +154,16 @@ void Scene::follow(const LiveValues& wanted) {
     }
 }
 
-LiveValues Scene::borne(LiveValues wanted) const {
-    wanted.tissue_stiffness = std::min(wanted.tissue_stiffness, settings_.stiffest / growth());
-    const float soft = followed(live_, wanted, step_duration, settings_.haste).tissue_stiffness;
-    wanted.tongue_scale = std::min(wanted.tongue_scale, settings_.tongue_scale * settings_.stiffest / soft);
+RuntimeParameters Scene::clamp_to_stability_limit(RuntimeParameters wanted) const {
+    wanted.tissue_stiffness = std::min(wanted.tissue_stiffness, settings_.max_stable_modulus / growth());
+    const float soft = advance_towards(live_, wanted, step_duration, settings_.rate_scale).tissue_stiffness;
+    wanted.tongue_scale =
+        std::min(wanted.tongue_scale, settings_.tongue_scale * settings_.max_stable_modulus / soft);
     return wanted;
 }
 
-bool Scene::may_grow() {
-    if (tissue_.knows_swelling()) {
+bool Scene::swelling_ready() {
+    if (tissue_.has_swelling()) {
         return true;
     }
     if (!swelling_.valid()) {
@@ -174,7 +177,7 @@ bool Scene::may_grow() {
     return true;
 }
 
-void Scene::turn_gravity() {
+void Scene::update_gravity() {
     gravity_ = anatomy::gravity(live_.table_angle);
     const Vec3f turned = gravity_ - anatomy::gravity(0.0f);
     tissue_.body().settings.acceleration = tissue_weight_share * turned;
@@ -186,7 +189,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     if (clock_ != nullptr) {
         clock_->start();
     }
-    follow(inputs.live);
+    follow(inputs.runtime_parameters);
     shell_.advance();
     if (settings_.manikin) {
         follow_tools(inputs, proxy_moved);
@@ -201,9 +204,9 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     if (proxy_moved) {
         proxy_moved(snapshot_);
     }
-    lap(Stage::rigid);
+    lap(StepStage::rigid);
 
-    // The particles meet the blade where it last was without penetrating the shell.
+    // The particles collide with the blade at its last pose without penetration of the shell.
     const RigidTransform blade_to = proxy.last_free;
     pbd::SoftBody& body = tissue_.body();
     if (shell_revision_ != shell_.revision()) {
@@ -211,23 +214,24 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         wake_tissue();
     }
     Tongue& tongue = tissue_.tongue();
-    if (tongue.note_tools(!blade_.reaches_tissue() && !tube_.meets_tissue())) {
-        wake_tissue();  // where it lies in a knot it may have fallen asleep while a tool was near
+    if (tongue.update_tools_away(!blade_.reaches_tissue() && !tube_.reaches_tissue())) {
+        wake_tissue();  // tissue wound about itself may have fallen asleep while a tool was near
     }
     blade_.wake(body, blade_pose_, blade_to);
     tube_.wake(body, grip_, inputs.tube_grip);
     body.begin_step();
-    parallel::both([&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
-                   [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
+    parallel::run_both(
+        [&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
+        [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
     const bool liquid_moves = saliva_ && saliva_->flows(live_.secretion);
     if (liquid_moves) {
-        saliva_->begin_step(about_saliva(blade_to, live_.suction));
+        saliva_->begin_step(saliva_surroundings(blade_to, live_.suction));
     }
     const int substeps = settings_.substeps;
     const float dt = step_duration / static_cast<float>(substeps);
-    lap(Stage::reach);
+    lap(StepStage::reach);
     const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
-    const int solves = tongue_moves ? Tongue::solves_for(blade_.way(), substeps) : 1;
+    const int solves = tongue_moves ? Tongue::solve_count(blade_.travel(), substeps) : 1;
     const int per_solve = substeps / solves;
     for (int s = 0; s < substeps; ++s) {
         const float begin = static_cast<float>(s) / static_cast<float>(substeps);
@@ -239,44 +243,44 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
             tongue.solve(body, {blade_.scope(), blade_.pose_at(begin), blade_.pose_at(until)},
                          {shell_.distance(), shell_.revision()}, dt * static_cast<float>(per_solve),
                          static_cast<float>(per_solve) / static_cast<float>(substeps - s), blade_);
-            lap(Stage::tissue);
+            lap(StepStage::tissue);
         }
         body.predict(dt, 1.0f / static_cast<float>(substeps - s));
         if (tongue_moves) {
             tongue.place(body.particles, solved_part);
         }
         tube_.predict(dt, end, gravity_);
-        lap(Stage::predict);
+        lap(StepStage::predict);
         const auto tissue = [&] {
             body.project(dt);
-            lap(Stage::tissue);
+            lap(StepStage::tissue);
             blade_.project(body.particles, begin, end, dt);
-            lap(Stage::blade);
+            lap(StepStage::blade);
         };
         const auto tube = [&] { tube_.project(body.particles, shell_.distance(), begin, end); };
-        // The clock asks what each of them takes.
-        if (tube_.meets_tissue() || clock_ != nullptr) {
+        // With a timer, sequentially, to measure each.
+        if (tube_.reaches_tissue() || clock_ != nullptr) {
             tissue();
             tube();
-            lap(Stage::tube);
+            lap(StepStage::tube);
         } else {
-            parallel::both(tissue, tube);
+            parallel::run_both(tissue, tube);
         }
         keep_out_of_shell(body.particles);
-        lap(Stage::shell);
+        lap(StepStage::shell);
         if (tongue_moves) {
-            tongue.take_pushes(body.particles, solved_part);
+            tongue.absorb_contact_displacements(body.particles, solved_part);
         }
         tube_.finish();
         body.finish(dt);
         if (tongue_moves && since_solve + 1 == per_solve) {
             tongue.finish(body, per_solve);
         }
-        lap(Stage::finish);
+        lap(StepStage::finish);
     }
     blade_pose_ = blade_to;
     grip_ = inputs.tube_grip;
-    tube_before_ = snapshot_.tube_nodes;
+    previous_tube_nodes_ = snapshot_.tube_nodes;
     fill_snapshot(inputs);
     body.end_step();
     if (liquid_moves) {
@@ -299,8 +303,8 @@ void Scene::follow_tools(const Inputs& inputs, const std::function<void(const Pr
     fill_snapshot(inputs);
 }
 
-SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suction) const {
-    // Tissue and tube as the last step left them, a tenth of a millimetre behind at most hands.
+SalivaSurroundings Scene::saliva_surroundings(const RigidTransform& blade_to, float suction) const {
+    // Tissue and tube as of the last step, a tenth of a millimetre behind at the speed of most hands.
     const std::vector<Vec3f>& to = snapshot_.tube_nodes;
     return {shell_.distance(),
             shell_.revision(),
@@ -309,7 +313,7 @@ SalivaSurroundings Scene::about_saliva(const RigidTransform& blade_to, float suc
             snapshot_.landmarks,
             blade_pose_,
             blade_to,
-            tube_before_.size() == to.size() ? tube_before_ : to,
+            previous_tube_nodes_.size() == to.size() ? previous_tube_nodes_ : to,
             to,
             suction,
             gravity_,
@@ -333,9 +337,9 @@ void Scene::keep_out_of_shell(pbd::Particles& particles) {
     if (particles.awake.empty()) {
         return;
     }
-    clearance_.begin(meets_shell_.size(), shell_.revision());
-    parallel::for_each(meets_shell_.size(), 256, [&](std::size_t k) {
-        const std::uint32_t i = meets_shell_[k];
+    clearance_.begin(shell_particles_.size(), shell_.revision());
+    parallel::for_each(shell_particles_.size(), 256, [&](std::size_t k) {
+        const std::uint32_t i = shell_particles_[k];
         if (particles.asleep[i] != 0) {
             return;
         }
@@ -381,8 +385,8 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     for (std::size_t i = 0; i < s.glottis_contour.size(); ++i) {
         s.glottis_contour[i] = carried(patient_.glottis_contour[i]);
     }
-    s.live = live_;
-    lap(Stage::snapshot);
+    s.runtime_parameters = live_;
+    lap(StepStage::snapshot);
 }
 
 std::uint64_t Scene::state_hash() const {

@@ -18,108 +18,109 @@
 #include "server/scene/saliva.hpp"
 #include "server/scene/shell_clearance.hpp"
 #include "server/scene/snapshot.hpp"
-#include "server/scene/stage_clock.hpp"
+#include "server/scene/step_timer.hpp"
 #include "server/scene/tissue.hpp"
 #include "server/scene/tube.hpp"
 
 namespace eti::scene {
 
-/// What devices and commands ask for, latched once per step. Patient frame.
+/// Inputs from devices and commands, latched once per step. Patient frame.
 struct Inputs {
     RigidTransform laryngoscope;
     RigidTransform tube_grip;
-    LiveValues live;  ///< wanted, and followed at the rates of live_fields
+    RuntimeParameters runtime_parameters;  ///< targets, approached at the rates of runtime_parameter_fields
 };
 
 struct Settings {
     int substeps = 8;
     TissueMethod tissue_method = TissueMethod::implicit;
-    float haste = 1.0f;         ///< times the rates at which what lives is followed
-    float head_scale = 1.0f;    ///< that the model was built with
-    float tongue_scale = 1.0f;  ///< the same
-    /// [Pa], that the solver bears in the built tongue, and so much less as that grows. Stiffness and size
-    /// wait for each other where both change.
-    float stiffest = std::numeric_limits<float>::infinity();
+    float rate_scale = 1.0f;    ///< scales the rates at which runtime parameters approach their targets
+    float head_scale = 1.0f;    ///< with which the model was built
+    float tongue_scale = 1.0f;  ///< with which the model was built
+    /// [Pa], largest Young's modulus for which the solver is stable in the tongue as built; it decreases as
+    /// the tongue grows. Where stiffness and size both change, each is limited by the other.
+    float max_stable_modulus = std::numeric_limits<float>::infinity();
     rigid::Settings rigid;
-    bool self_contact = false;  ///< tissue also meets tissue
-    bool sleep = true;          ///< tissue at rest is not solved
-    bool saliva = false;        ///< secretions in mouth and throat; without them they cost nothing
-    LiquidKind liquid = LiquidKind::saliva;  ///< what the secretions are
-    bool dry_start = false;                  ///< with saliva: none before glands are told to give some
-    std::uint64_t seed = 1;                  ///< of what the glands give
-    /// Only where the tools are counts: the manikin stops them, and nothing here does.
+    bool self_contact = false;  ///< enables contact between tissue and tissue
+    bool sleep = true;          ///< skips solving tissue at rest
+    bool saliva = false;        ///< enables secretions in mouth and throat; costs nothing when off
+    LiquidKind liquid = LiquidKind::saliva;  ///< kind of liquid
+    bool dry_start = false;                  ///< with saliva: no liquid until a secretion rate is set
+    std::uint64_t seed = 1;                  ///< for the secretion's random numbers
+    /// Only tool poses count: the physical manikin stops the tools, and nothing in the simulation does.
     bool manikin = false;
 };
 
-/// Patient, laryngoscope, tube and saliva in one simulation: particles, rod and liquid from the particle
-/// solver, the laryngoscope's proxy from the rigid layer.
+/// Patient, laryngoscope, tube and saliva in one simulation. The particle solver computes tissue, rod and
+/// liquid; the rigid layer computes the laryngoscope's proxy.
 class Scene {
   public:
     Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
           const Settings& settings);
 
-    /// Advances by one step of 1/180 s. `proxy_moved` gets the step's proxy as soon as the rigid layer is
-    /// done, which is most of the step before the tissue is.
+    /// Advances by one step of 1/180 s. Calls `proxy_moved` with the step's proxy as soon as the rigid layer
+    /// has finished, long before the tissue has.
     void step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved = {});
 
-    /// State after the last step. Valid until the next.
+    /// State after the last step; valid until the next.
     [[nodiscard]] const Snapshot& snapshot() const { return snapshot_; }
 
     [[nodiscard]] const SoftTissue& tissue() const { return tissue_; }
-    /// The offset shell's distances in the current posture [m]; negative inside the tissue.
+    /// Signed distances [m] of the offset shell in the current posture; negative inside the tissue.
     [[nodiscard]] const DistanceGrid& shell() const { return shell_.distance(); }
 
-    /// Times the stages of every further step with `clock`, which has to outlive them; nullptr: none.
-    void time_stages(StageClock* clock) { clock_ = clock; }
+    /// Times the stages of subsequent steps with `clock`, which must outlive them; nullptr: none.
+    void set_step_timer(StepTimer* clock) { clock_ = clock; }
 
-    /// FNV-1a over the bits of places and velocities of particles, rod, proxy and liquid. What contacts
-    /// remember from step to step is not among them, and shows in them a step later.
+    /// FNV-1a over the bits of positions and velocities of particles, rod, proxy and liquid. State that
+    /// contacts keep between steps is excluded; differences in it show a step later.
     [[nodiscard]] std::uint64_t state_hash() const;
 
-    /// Patient and tools as at the start, with the tools at `start`. Simulation time goes on.
+    /// Restores the initial state of patient and tools, with the tools at `start`. Simulation time continues.
     void reset(const Inputs& start);
 
-    /// Puts a tool somewhere at once, at rest: when its device appears, far from where it was parked.
+    /// Teleports a tool, at rest: used when its device connects, far from where it was parked.
     void place_laryngoscope(const RigidTransform& pose);
     void place_tube(const RigidTransform& grip);
 
   private:
-    /// A step in which both tools are where their devices are, and nothing gives way.
+    /// A step in which both tools are at their devices' poses and nothing deforms.
     void follow_tools(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved);
-    /// Carries on what lives towards what is wanted, by what may change in a step.
-    void follow(const LiveValues& wanted);
-    /// What the solver bears of what is wanted. Stiffness and size of the tongue wait for each other.
-    [[nodiscard]] LiveValues borne(LiveValues wanted) const;
-    /// Whether it is known how the tongue grows; the first to ask waits half a second.
-    [[nodiscard]] bool may_grow();
-    void wake_tissue() { tissue_.body().sleep.wake_whole(tissue_.body().particles); }
-    /// What hangs on the table's angle.
-    void turn_gravity();
-    /// Sizes of cranium and tongue against the built ones.
+    /// Moves the runtime parameters towards `wanted`, by at most their change per step.
+    void follow(const RuntimeParameters& wanted);
+    /// Limits `wanted` to what the solver can simulate stably. Stiffness and size of the tongue limit each
+    /// other.
+    [[nodiscard]] RuntimeParameters clamp_to_stability_limit(RuntimeParameters wanted) const;
+    /// Whether the tongue's swelling has been computed; the first call starts it and takes half a second.
+    [[nodiscard]] bool swelling_ready();
+    void wake_tissue() { tissue_.body().sleep.wake_all(tissue_.body().particles); }
+    /// Updates what depends on the table's angle.
+    void update_gravity();
+    /// Sizes of cranium and tongue relative to the model as built.
     [[nodiscard]] float head() const { return live_.head_scale / settings_.head_scale; }
     [[nodiscard]] float growth() const { return live_.tongue_scale / settings_.tongue_scale; }
-    [[nodiscard]] anatomy::BonePoses bones_at(const LiveValues& live) const {
+    [[nodiscard]] anatomy::BonePoses bones_at(const RuntimeParameters& live) const {
         return anatomy::pose_bones(patient_.skeleton,
                                    {live.head_elevation, live.jaw_opening, live.table_angle});
     }
-    /// The tongue does not go through palate, gums and pharynx.
+    /// Keeps the tongue out of palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles);
     void fill_proxy(const Inputs& inputs);
     void fill_snapshot(const Inputs& inputs);
-    void lap(Stage stage) {
+    void lap(StepStage stage) {
         if (clock_ != nullptr) {
             clock_->lap(stage);
         }
     }
     void fill_saliva();
-    /// What saliva meets while the blade goes to `blade_to`.
-    [[nodiscard]] SalivaSurroundings about_saliva(const RigidTransform& blade_to, float suction) const;
+    /// Surroundings of the saliva while the blade moves to `blade_to`.
+    [[nodiscard]] SalivaSurroundings saliva_surroundings(const RigidTransform& blade_to, float suction) const;
 
     const anatomy::Patient& patient_;
     Settings settings_;
-    LiveValues live_;
-    // How the tongue grows, computed beside the simulation once someone asks for another size and taken over
-    // a set number of steps later, so that a session re-runs to the same bits.
+    RuntimeParameters live_;
+    // Swelling of the tongue, computed in the background once another size is requested and adopted a fixed
+    // number of steps later, so that a replayed session is bit-identical.
     std::future<std::vector<Vec3f>> swelling_;
     int swelling_wait_ = 0;
     Vec3f gravity_ = Vec3f::Zero();  // [m/s^2]
@@ -127,17 +128,17 @@ class Scene {
     PosedShell shell_;
     rigid::RigidLayer rigid_;
     BladeContact blade_;
-    Tube made_;  // as the scenario has it
+    Tube built_tube_;  // as in the scenario
     TubeContact tube_;
     std::optional<Saliva> saliva_;
-    std::vector<Vec3f> tube_before_;          // its nodes, a step before the snapshot's
-    std::vector<std::uint32_t> meets_shell_;  // particles
-    ShellClearance clearance_;                // of these
-    std::uint64_t shell_revision_ = 0;        // that tissue was awake to meet
-    RigidTransform blade_pose_;               // where the particles last met it
+    std::vector<Vec3f> previous_tube_nodes_;      // [m], one step before the snapshot's
+    std::vector<std::uint32_t> shell_particles_;  // indices of particles that collide with the shell
+    ShellClearance clearance_;                    // of shell_particles_
+    std::uint64_t shell_revision_ = 0;            // revision against which tissue was last woken
+    RigidTransform blade_pose_;                   // pose at which the particles last collided with it
     RigidTransform grip_;
     Snapshot snapshot_;
-    StageClock* clock_ = nullptr;
+    StepTimer* clock_ = nullptr;
 };
 
 }  // namespace eti::scene

@@ -10,20 +10,22 @@
 
 namespace eti::scene {
 
-/// Which of many points are inside a shell, looked up only where a point may have come there since.
+/// Inside tests of many points against a shell. A point is looked up only if it may have entered since its
+/// last lookup.
 class ShellClearance {
   public:
-    /// Of so many points, and of the shell that has this revision; forgets what was of another.
+    /// Prepares for `points` points and the shell with this revision; discards the cache of any other.
     void begin(std::size_t points, std::uint64_t revision) {
         if (last_.size() != points || revision_ != revision) {
             last_.assign(points, {});
             revision_ = revision;
         }
     }
-    /// Whether the point is inside. Points may be asked for in any order, and beside each other.
+    /// Whether the point is inside. Points may be queried in any order and concurrently.
     [[nodiscard]] bool inside(std::size_t number, const Vec3f& point, const DistanceGrid& shell) {
         Place& last = last_[number];
-        // Along each axis the grid's distance changes by no more than the way, in all by sqrt(3) of it.
+        // Along each axis the grid's distance changes by at most the displacement, in total by sqrt(3) times
+        // it.
         if (last.distance > 0.0f &&
             4.0f * (point - last.seen).squaredNorm() < last.distance * last.distance) {
             return false;
@@ -35,7 +37,7 @@ class ShellClearance {
   private:
     struct Place {
         Vec3f seen = Vec3f::Zero();
-        float distance = 0.0f;  // [m], there; 0: look again
+        float distance = 0.0f;  // [m], at `seen`; 0: look up
     };
     std::vector<Place> last_;
     std::uint64_t revision_ = 0;

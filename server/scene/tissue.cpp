@@ -10,17 +10,17 @@
 
 #include "server/patient/model/stiffness.hpp"
 #include "server/patient/model/tetrahedra_of.hpp"
-#include "server/pbd/cluster_calibration.hpp"
-#include "server/pbd/cluster_chain.hpp"
-#include "server/pbd/surface_edges.hpp"
+#include "server/pbd/contact/surface_edges.hpp"
+#include "server/pbd/soft/cluster_calibration.hpp"
+#include "server/pbd/soft/cluster_chain.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-/// [Pa], for the modulus `wanted`. Clusters that overlap yield more than each of them; those of the
-/// epiglottis do not, and are as good as rigid: it bends between them.
-float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
+/// Input modulus [Pa] for a `wanted` one. Overlapping clusters are softer than each of them. Those of the
+/// epiglottis do not overlap and are practically rigid: it bends between them.
+float input_modulus_of(const anatomy::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
     if (patient.clusters.tissue[cluster] == Tissue::epiglottis) {
         return wanted;
     }
@@ -33,16 +33,16 @@ float modulus_to_put_in(const anatomy::Patient& patient, std::uint32_t cluster, 
                                     .substep = substep,
                                     .load = pbd::ClusterLoad::tongue},
                                    wanted)
-        .put_in;
+        .input_modulus;
 }
 
-// Spacings from a cluster's middle. A cluster reaches farther, and what is drawn by the mean of all its
+// [spacings] from a cluster's centre. Clusters reach farther, and a surface drawn with the mean of all
 // members does not follow a blade's dent (docs/decisions/skinning.md).
 constexpr float fitted_reach = 1.75f;
-// Fewer say too little of a turn: a cluster has at least as many.
+// Fewer do not determine a rotation; every cluster has at least as many.
 constexpr std::size_t fewest_members = 4;
 
-/// A cluster's members within so many spacings of their middle; all of them where those are too few.
+/// A cluster's members within `reach` spacings of their centre; all members where those are too few.
 std::vector<std::uint32_t> members_about_middle(const anatomy::Patient& patient, std::uint32_t cluster,
                                                 float reach) {
     const anatomy::ParticleSet& set = patient.particles;
@@ -55,7 +55,7 @@ std::vector<std::uint32_t> members_about_middle(const anatomy::Patient& patient,
     return near.size() < fewest_members ? std::vector(members.begin(), members.end()) : near;
 }
 
-/// The epiglottis, bending from its stalk to its tip; none where it is a single cluster.
+/// The epiglottis as a chain that bends from stalk to tip; empty if it is a single cluster.
 std::optional<pbd::ClusterChain> epiglottis_of(const anatomy::Patient& patient,
                                                const pbd::ShapeMatching::Description& shapes,
                                                const pbd::Particles& particles) {
@@ -95,7 +95,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
             p.channels[i] |= pbd::channel::shell;
         }
     }
-    // Where the tongue grows out of the mouth floor, links hold it, not the shell.
+    // Where the tongue is attached to the floor of the mouth, links hold it, not the shell.
     for (const auto& ends : patient.links.ends) {
         p.channels[ends[0]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
         p.channels[ends[1]] &= static_cast<std::uint8_t>(~pbd::channel::shell);
@@ -116,7 +116,8 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
             }
         }
     }
-    // Clusters hold what no tetrahedron does, with its neighbours: so they also join the one to the other.
+    // Clusters are needed for particles outside of tetrahedra and their neighbours; they also connect the
+    // two.
     for (std::uint32_t c = 0; c < patient.clusters.size(); ++c) {
         const auto members = patient.clusters.members(c);
         const bool needed = std::ranges::any_of(
@@ -127,7 +128,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
     if (model == TissueMethod::implicit) {
         const std::vector<float> own = p.inverse_mass;
         for (std::size_t i = 0; i < p.size(); ++i) {
-            p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters move none of the mesh's particles
+            p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters do not move the mesh's particles
         }
         body_.shapes.configure(held, p);
         p.inverse_mass = own;
@@ -141,7 +142,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
     drawn_.configure(patient, meshed_);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
     if (auto epiglottis = epiglottis_of(patient, held, p)) {
-        body_.further.emplace_back(std::move(*epiglottis));
+        body_.constraints.emplace_back(std::move(*epiglottis));
     }
 
     const anatomy::ClusterSet& clusters = patient.clusters;
@@ -169,7 +170,7 @@ pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uin
         shapes.member.insert(shapes.member.end(), members.begin(), members.end());
         shapes.first.push_back(static_cast<std::uint32_t>(shapes.member.size()));
         shapes.youngs_modulus.push_back(
-            modulus_to_put_in(patient_, c, patient_.clusters.youngs_modulus[c], substep));
+            input_modulus_of(patient_, c, patient_.clusters.youngs_modulus[c], substep));
     }
     return shapes;
 }
@@ -211,7 +212,7 @@ void SoftTissue::set_swelling(std::vector<Vec3f> displacement) {
 }
 
 void SoftTissue::set_tongue_growth(float growth) {
-    assert(knows_swelling());
+    assert(has_swelling());
     growth_ = growth;
     update_moduli();
 }
@@ -222,7 +223,7 @@ void SoftTissue::set_stiffness(float soft) {
 }
 
 void SoftTissue::update_moduli() {
-    body_.sleep.wake_whole(body_.particles);
+    body_.sleep.wake_all(body_.particles);
     moduli_.clear();
     for (const std::uint32_t t : meshed_) {
         moduli_.push_back(anatomy::tetrahedron_modulus(patient_, t, soft_));
@@ -234,10 +235,10 @@ void SoftTissue::update_moduli() {
     }
     moduli_.clear();
     for (const std::uint32_t c : held_clusters_) {
-        // A cluster's springs go with its size (E V / r^2), as a tetrahedron's do by its rest shape.
+        // A cluster's springs scale with its size (E V / r^2), as a tetrahedron's do with its rest shape.
         const float size = patient_.clusters.tissue[c] == Tissue::tongue ? growth_ : 1.0f;
         moduli_.push_back(
-            size * modulus_to_put_in(patient_, c, anatomy::cluster_modulus(patient_, c, soft_), substep_));
+            size * input_modulus_of(patient_, c, anatomy::cluster_modulus(patient_, c, soft_), substep_));
     }
     body_.shapes.set_youngs_modulus(moduli_);
     moduli_.clear();
@@ -247,7 +248,7 @@ void SoftTissue::update_moduli() {
     body_.links.set_stiffness(moduli_);
 }
 
-void SoftTissue::let_sleep() {
+void SoftTissue::enable_sleeping() {
     std::vector<bool> mesh = tongue_.moved();
     if (body_.tetrahedra.size() > 0) {
         mesh.assign(body_.particles.size(), false);
@@ -255,7 +256,7 @@ void SoftTissue::let_sleep() {
             mesh[i] = true;
         }
     }
-    body_.let_sleep(mesh, {});
+    body_.enable_sleeping(mesh, {});
 }
 
 void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
@@ -263,7 +264,7 @@ void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
-    // Then also clusters that sleep are written anew: what is drawn is shifted from where their fit has it.
+    // If so, sleeping clusters are rewritten, too: the correction shifts frames from their fit.
     const bool mesh_awake = body_.sleep.mesh_awake() || body_.sleep.held_awake();
     constexpr std::size_t block = pbd::ShapeMatching::block_size;
     for (std::size_t first = 0; first < held_clusters_.size(); first += block) {

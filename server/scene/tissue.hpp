@@ -9,47 +9,47 @@
 
 #include "server/patient/model/patient.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/pbd/soft_body.hpp"
-#include "server/scene/drawn_fit.hpp"
+#include "server/pbd/soft/soft_body.hpp"
+#include "server/scene/skin_frame_correction.hpp"
 #include "server/scene/tongue.hpp"
 
 namespace eti::scene {
 
-/// The patient's soft tissue in the particle solver: set up from the model, posed with the skeleton,
-/// and read back as frames for skinning.
+/// The patient's soft tissue in the particle solver: built from the model, posed with the skeleton, read back
+/// as frames for skinning.
 class SoftTissue {
   public:
-    /// `substep` [s]: what a cluster is given for the stiffness that the patient's tissue shall have
-    /// depends on it.
+    /// `substep` [s]: the calibrated stiffness of clusters depends on it.
     SoftTissue(const anatomy::Patient& patient, TissueMethod model, float substep);
 
-    /// Carries the unloaded shape to a posture. Particles bound to bone go there over the next step.
+    /// Carries the unloaded shape to a posture. Particles bound to bone move there over the next step.
     void pose(const anatomy::BonePoses& bones);
 
-    /// How the tongue grows (see anatomy::tongue_swelling()); needed before set_tongue_growth().
+    /// Sets the tongue's growth field (see anatomy::tongue_swelling()); required before set_tongue_growth().
     void set_swelling(std::vector<Vec3f> displacement);
-    [[nodiscard]] bool knows_swelling() const { return !swelling_.empty(); }
-    /// Length of the tongue over that of the built one; takes effect with the next pose(). Masses stay: they
-    /// are none of the tissue's own (docs/decisions/soft-tissue.md).
+    [[nodiscard]] bool has_swelling() const { return !swelling_.empty(); }
+    /// Length of the tongue relative to the built one; takes effect with the next pose(). Masses do not
+    /// change: they are numerical, not the tissue's (docs/decisions/soft-tissue.md).
     void set_tongue_growth(float growth);
-    /// Young's modulus of tongue and mucosa [Pa]; in shape and state nothing changes.
+    /// Young's modulus of tongue and mucosa [Pa]; shape and state do not change.
     void set_stiffness(float soft);
 
-    /// From now on tissue at rest sleeps, where begin_step() and end_step() of the body enclose a step.
-    void let_sleep();
+    /// Lets tissue at rest sleep from now on; the body's begin_step() and end_step() must then enclose each
+    /// step.
+    void enable_sleeping();
 
     /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
-    /// that tetrahedra stand in for are fitted to the particles here, and to the drawn surface. Those that
-    /// sleep are left in `frames` as the last call put them, which is to be from before they fell asleep.
-    /// `head_size` is the cranium's over that of the built one.
+    /// replaced by tetrahedra are fitted here to the particles and to the drawn surface. Entries of sleeping
+    /// clusters keep their values, which must be from before they fell asleep. `head_size`: the cranium's
+    /// size relative to the built one.
     void frames(std::vector<FramePose>& frames, float head_size = 1.0f);
 
-    /// Edges of the mesh's surface whose ends both move: pairs of particles.
+    /// Surface edges of the mesh whose ends both move: pairs of particles.
     [[nodiscard]] const std::vector<std::array<std::uint32_t, 2>>& surface_edges() const {
         return surface_edges_;
     }
 
-    /// The tongue, where it is of tetrahedra; else empty.
+    /// The tongue if it is made of tetrahedra; else empty.
     [[nodiscard]] Tongue& tongue() { return tongue_; }
     [[nodiscard]] const Tongue& tongue() const { return tongue_; }
     [[nodiscard]] pbd::SoftBody& body() { return body_; }
@@ -60,15 +60,15 @@ class SoftTissue {
     void reset();
 
   private:
-    /// The patient's clusters that `wanted` names, as the solver takes them; of their members those within
-    /// so many spacings of the middle.
+    /// Solver description of the patient's clusters in `wanted`; of their members, those within `reach`
+    /// spacings of the centre.
     [[nodiscard]] pbd::ShapeMatching::Description description(
         std::span<const std::uint32_t> wanted, float substep,
         float reach = std::numeric_limits<float>::infinity()) const;
-    /// The particle at rest in the model's posture, as far as the tongue has grown.
+    /// Rest position of a particle in the model's posture, with the tongue's current growth.
     [[nodiscard]] Vec3f grown(std::size_t particle) const;
     void update_moduli();
-    /// Of the clusters from `first` to before `end`.
+    /// For clusters in [first, end).
     void frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
                    std::size_t first, std::size_t end, std::vector<FramePose>& frames) const;
 
@@ -76,18 +76,18 @@ class SoftTissue {
     pbd::SoftBody body_;
     std::vector<std::array<std::uint32_t, 2>> surface_edges_;
     Tongue tongue_;
-    pbd::ShapeMatching fitted_;  // to particles that tetrahedra move: only for their frames
-    DrawnFit drawn_;             // what is fitted, to the tetrahedra
-    std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // the patient's numbers of both
+    pbd::ShapeMatching fitted_;  // clusters of particles that tetrahedra move; used for their frames only
+    SkinFrameCorrection drawn_;  // corrects fitted frames to the tetrahedra
+    std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // indices of both in the patient
     anatomy::BonePoses bones_;
-    std::vector<anatomy::BoneWeights> cluster_bones_;  // mean over a cluster's members
-    std::vector<Quatf> cluster_turn_;                  // model rest to posed rest
-    std::vector<Vec3f> cluster_posed_centre_;          // frame centre carried to the posed rest
+    std::vector<anatomy::BoneWeights> cluster_bones_;  // mean over each cluster's members
+    std::vector<Quatf> cluster_turn_;                  // rotation from model rest to posed rest
+    std::vector<Vec3f> cluster_posed_centre_;          // frame centre in the posed rest
     float substep_;                                    // [s]
-    float soft_;                                       // [Pa], modulus of tongue and mucosa
-    float growth_ = 1.0f;                              // of the tongue
-    std::vector<Vec3f> swelling_, cluster_swelling_;   // [m] per unit of growth; of clusters the mean
-    std::vector<std::uint32_t> meshed_;                // the patient's numbers of the tetrahedra in use
+    float soft_;                                       // [Pa], Young's modulus of tongue and mucosa
+    float growth_ = 1.0f;                              // growth of the tongue
+    std::vector<Vec3f> swelling_, cluster_swelling_;   // [m] per unit of growth; for clusters the mean
+    std::vector<std::uint32_t> meshed_;                // indices, in the patient, of the tetrahedra in use
     std::vector<float> moduli_;                        // scratch
 };
 

@@ -13,15 +13,15 @@ namespace eti::scene {
 
 namespace {
 
-constexpr float most_blade_way = 1e-3f;  // [m] in a solve; 0.18 m/s with one in a step
-constexpr float draw = 0.5f;             // stiffness of what draws a particle to rest, over its own
+constexpr float max_blade_way = 1e-3f;  // [m], per solve; 0.18 m/s with one solve per step
+constexpr float draw = 0.5f;            // stiffness of the spring to rest over the particle's own
 
 }  // namespace
 
-int Tongue::solves_for(float blade_way, int substeps) {
+int Tongue::solve_count(float blade_way, int substeps) {
     int solves = 1;
     while (solves < substeps &&
-           (substeps % solves != 0 || blade_way > most_blade_way * static_cast<float>(solves))) {
+           (substeps % solves != 0 || blade_way > max_blade_way * static_cast<float>(solves))) {
         ++solves;
     }
     return solves;
@@ -30,7 +30,7 @@ int Tongue::solves_for(float blade_way, int substeps) {
 void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
                        pbd::Particles& particles, float substep) {
     substep_ = substep;
-    constexpr float lighter = anatomy::tissue_density / anatomy::tissue_own_density;
+    constexpr float lighter = anatomy::tissue_density / anatomy::physical_tissue_density;
     std::vector<float> inverse_mass = particles.inverse_mass;
     for (float& w : inverse_mass) {
         w *= lighter;
@@ -48,10 +48,10 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
     std::erase_if(surface, [&](const auto& ends) { return !moved_[ends[0]] || !moved_[ends[1]]; });
     const std::size_t movers_count = movers.size();
     contacts_.configure(std::move(movers), std::move(surface));
-    // So that a step does not allocate.
-    mesh_.contacts.reserve(contacts_.most());
+    // Reserved so that a step does not allocate.
+    mesh_.contacts.reserve(contacts_.expected_count());
     mesh_.springs.reserve(3 * movers_count);
-    pulls_.reserve(movers_count);
+    cluster_springs_.reserve(movers_count);
     for (std::vector<Vec3f>* of : {&from_, &to_, &push_}) {
         of->assign(mesh_.particles().size(), Vec3f::Zero());
     }
@@ -59,15 +59,15 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
 
 void Tongue::reset(pbd::Particles& particles) {
     contacts_.reset();
-    away_ = drawn_until;
+    away_ = relax_end;
     mesh_.contacts.clear();
     mesh_.springs.clear();
-    pulls_.clear();
+    cluster_springs_.clear();
     std::ranges::fill(push_, Vec3f::Zero());
-    take_masses(particles);
+    set_substep_masses(particles);
 }
 
-void Tongue::take_masses(pbd::Particles& particles) const {
+void Tongue::set_substep_masses(pbd::Particles& particles) const {
     const auto used = mesh_.particles();
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (moved_[used[k]]) {
@@ -78,19 +78,19 @@ void Tongue::take_masses(pbd::Particles& particles) const {
 
 void Tongue::set_youngs_modulus(std::span<const float> moduli, pbd::Particles& particles) {
     mesh_.set_youngs_modulus(moduli);
-    take_masses(particles);
+    set_substep_masses(particles);
 }
 
-bool Tongue::note_tools(bool away) {
-    const bool begins = away && away_ == drawn_from;
-    away_ = away ? std::min(away_ + 1, drawn_until) : 0;
+bool Tongue::update_tools_away(bool away) {
+    const bool begins = away && away_ == relax_begin;
+    away_ = away ? std::min(away_ + 1, relax_end) : 0;
     return begins;
 }
 
 void Tongue::gather_springs(const pbd::Particles& particles) {
-    mesh_.springs = pulls_;
+    mesh_.springs = cluster_springs_;
     const auto used = mesh_.particles();
-    const bool drawn = away_ > drawn_from && away_ < drawn_until;
+    const bool drawn = away_ > relax_begin && away_ < relax_end;
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (drawn && moved_[used[k]]) {
             mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k)});
@@ -103,7 +103,8 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
 }
 
 void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade,
-                   const TongueContacts::Shell& shell, float dt, float fraction, BladeContact& felt) {
+                   const TongueContacts::Shell& shell, float dt, float fraction,
+                   BladeContact& blade_contact) {
     pbd::Particles& p = body.particles;
     dt_ = dt;
     const auto used = mesh_.particles();
@@ -118,7 +119,8 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
         }
     }
     gather_springs(p);
-    parallel::both([&] { mesh_.linearise(p, dt); }, [&] { contacts_.find(p, blade, shell, mesh_.contacts); });
+    parallel::run_both([&] { mesh_.linearise(p, dt); },
+                       [&] { contacts_.find(p, blade, shell, mesh_.contacts); });
     mesh_.solve_linearised(p, dt);
     for (std::size_t k = 0; k < used.size(); ++k) {
         to_[k] = p.predicted[used[k]];
@@ -126,11 +128,11 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
     }
     for (std::size_t n = 0; n < mesh_.contacts.size(); ++n) {
         const pbd::MeshContact& c = mesh_.contacts[n];
-        if (contacts_.is_blades(n) && !c.force.isZero(0.0f)) {
+        if (contacts_.is_with_blade(n) && !c.force.isZero(0.0f)) {
             const auto shares = c.shares();
             for (std::size_t e = 0; e < (c.is_edge() ? 2 : 1); ++e) {
-                felt.add_impulse(c.particle[e], p.predicted[c.particle[e]], shares[e] * dt * c.force,
-                                 blade.to);
+                blade_contact.add_impulse(c.particle[e], p.predicted[c.particle[e]], shares[e] * dt * c.force,
+                                          blade.to);
             }
         }
     }
@@ -143,7 +145,7 @@ void Tongue::place(pbd::Particles& particles, float share) const {
     }
 }
 
-void Tongue::take_pushes(pbd::Particles& particles, float share) {
+void Tongue::absorb_contact_displacements(pbd::Particles& particles, float share) {
     const auto used = mesh_.particles();
     for (std::size_t k = 0; k < used.size(); ++k) {
         const Vec3f placed = from_[k] + share * (to_[k] - from_[k]);
@@ -159,15 +161,15 @@ void Tongue::finish(pbd::SoftBody& body, int substeps) {
     pbd::Particles& p = body.particles;
     const float keep = std::exp(-body.settings.damping * dt_) / dt_;
     const auto used = mesh_.particles();
-    pulls_.clear();
+    cluster_springs_.clear();
     for (std::size_t k = 0; k < used.size(); ++k) {
         const std::uint32_t i = used[k];
         p.position[i] = to_[k];
         p.velocity[i] = keep * (to_[k] - from_[k]);
         push_[k] /= static_cast<float>(substeps);
         if (moved_[i] && !body.shapes.clusters_of(i).empty()) {
-            const pbd::ShapeMatching::Pull pull = body.shapes.pull_on(i);
-            pulls_.push_back({i, pull.goal, pull.stiffness});
+            const pbd::ShapeMatching::GoalSpring pull = body.shapes.goal_spring(i);
+            cluster_springs_.push_back({i, pull.goal, pull.stiffness});
         }
     }
 }

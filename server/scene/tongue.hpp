@@ -5,72 +5,74 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/pbd/implicit_tetrahedra.hpp"
-#include "server/pbd/soft_body.hpp"
+#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/soft_body.hpp"
 #include "server/scene/blade.hpp"
 #include "server/scene/tongue_contacts.hpp"
 
 namespace eti::scene {
 
-/// The tongue as an implicit mesh among tissue that goes in substeps. A solve carries it through a part of a
-/// step; in the substeps of that part its particles go there in a straight line. What pulls or pushes them
-/// meanwhile (clusters, links, the tube, other tissue) meets the stiffness that a particle has alone, and is
-/// a spring of that stiffness to the next solve: which is never stiffer than what pushes is held to be, so
-/// that the exchange settles.
+/// The tongue as an implicit mesh among tissue that is solved in substeps.
+///
+/// A solve carries the mesh through a part of a step; during the substeps of that part its particles move in
+/// straight lines. Clusters, links, tube and other tissue that push particles meanwhile meet the stiffness of
+/// a single particle, and enter the next solve as springs of that stiffness. These are never stiffer than
+/// what pushes is assumed to be, so that the exchange converges.
 class Tongue {
   public:
-    /// [m/s^2], beyond the weight that the unloaded shape already bears.
+    /// [m/s^2], in addition to the weight that the unloaded shape already carries.
     Vec3f acceleration = Vec3f::Zero();
 
-    /// The mesh has tissue's own mass; `particles` get the inverse masses that substeps of `substep` [s] see.
-    /// Clusters have to be configured before, with a mesh that they do not move.
+    /// The mesh has the tissue's physical mass; `particles` receive the inverse masses for substeps of
+    /// `substep` [s]. Configure clusters before, with a mesh that they do not move.
     void configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
                    pbd::Particles& particles, float substep);
     [[nodiscard]] bool empty() const { return mesh_.size() == 0; }
-    /// By particle, whether the mesh moves it; empty where there is no mesh.
+    /// [particles]: whether the mesh moves it; empty where there is no mesh.
     [[nodiscard]] const std::vector<bool>& moved() const { return moved_; }
     [[nodiscard]] bool moves(std::size_t particle) const { return !moved_.empty() && moved_[particle]; }
 
     void set_rest(const pbd::Particles& particles) { mesh_.set_rest(particles); }
     void set_youngs_modulus(std::span<const float> moduli, pbd::Particles& particles);
-    /// Forgets contacts; particles have to be at rest.
+    /// Discards contacts; particles must be at rest.
     void reset(pbd::Particles& particles);
 
-    /// Into how many solves a step of `substeps` is cut in which the blade goes so far [m]; divides them.
-    [[nodiscard]] static int solves_for(float blade_way, int substeps);
+    /// Number of solves for a step of `substeps` in which the blade travels `blade_way` [m]; divides
+    /// `substeps`.
+    [[nodiscard]] static int solve_count(float blade_way, int substeps);
 
-    /// Once before a step's solves: whether no tool is near any tissue. A while after the last has left, the
-    /// tongue is drawn to rest for a moment: what has been wound about itself would stay so. Returns whether
-    /// that begins, for which the tongue has to be awake.
-    [[nodiscard]] bool note_tools(bool away);
+    /// Call once before a step's solves, with whether no tool is near any tissue. Some time after the last
+    /// tool has left, the tongue is drawn to its rest shape for a moment, because a mesh wound about itself
+    /// would stay so. Returns true when that begins; the tongue must then be awake.
+    [[nodiscard]] bool update_tools_away(bool away);
 
-    /// Solves for a part of a step of `dt` [s], in which `blade` goes from one pose to the other. Particles
-    /// held by bone go the `fraction` of the remaining way to their rest position. The blade's impulses go to
-    /// `felt`.
+    /// Solves for a part of a step of `dt` [s], in which `blade` moves from one pose to the other. Particles
+    /// bound to bone move by `fraction` of the remaining distance to their rest position. Impulses of the
+    /// blade are added to `blade_contact`.
     void solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade,
-               const TongueContacts::Shell& shell, float dt, float fraction, BladeContact& felt);
-    /// Puts the mesh's particles where they are after this share of the part.
+               const TongueContacts::Shell& shell, float dt, float fraction, BladeContact& blade_contact);
+    /// Places the mesh's particles where they are at this fraction of the part.
     void place(pbd::Particles& particles, float share) const;
-    /// Notes what the substep that ends at this share of the part has done to the mesh's particles, and puts
-    /// them back on their way. Before place() of the next.
-    void take_pushes(pbd::Particles& particles, float share);
-    /// After the last substep: velocities, and what clusters want.
+    /// Records the displacements that the substep ending at this fraction of the part applied to the mesh's
+    /// particles, and undoes them. Call before the next place().
+    void absorb_contact_displacements(pbd::Particles& particles, float share);
+    /// Call after the last substep: sets velocities and the springs of clusters.
     void finish(pbd::SoftBody& body, int substeps);
 
   private:
-    /// What substeps take a particle of the mesh to weigh: its own stiffness for one of them.
-    void take_masses(pbd::Particles& particles) const;
+    /// Sets the masses that substeps see: a particle's own stiffness over one substep.
+    void set_substep_masses(pbd::Particles& particles) const;
     void gather_springs(const pbd::Particles& particles);
 
     pbd::ImplicitTetrahedra mesh_;
     TongueContacts contacts_;
     std::vector<bool> moved_;
-    std::vector<pbd::ImplicitTetrahedra::Spring> pulls_;  // of clusters
-    std::vector<Vec3f> from_, to_, push_;                 // by corner [m]
-    float substep_ = 0.0f, dt_ = 0.0f;                    // [s]
-    // Steps since the last tool left, in some of which the tongue is drawn.
-    static constexpr int drawn_from = 18, drawn_until = 108;
-    int away_ = drawn_until;
+    std::vector<pbd::ImplicitTetrahedra::Spring> cluster_springs_;  // from clusters
+    std::vector<Vec3f> from_, to_, push_;                           // [corners][m]
+    float substep_ = 0.0f, dt_ = 0.0f;                              // [s]
+    // Steps since the last tool left, between which the tongue is drawn to rest.
+    static constexpr int relax_begin = 18, relax_end = 108;
+    int away_ = relax_end;
 };
 
 }  // namespace eti::scene

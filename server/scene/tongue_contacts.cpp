@@ -7,29 +7,29 @@
 #include <utility>
 
 #include "common/mesh/closest_point.hpp"
-#include "server/pbd/contact.hpp"
+#include "server/pbd/contact/contact.hpp"
 #include "server/scene/friction.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-// [m], beyond a capsule's reach: a contact of the last step that lies farther off has ended.
+// [m], beyond a capsule's reach: a previous contact farther away has ended.
 constexpr float left_behind = 4e-3f;
-// Of an edge's way from one end to the other; nearer to an end, that end touches itself.
-constexpr float least_along = 0.1f;
+// Fraction of an edge's length; nearer to an end, that end has its own contact.
+constexpr float min_along = 0.1f;
 
-// What is left of the shell's force after a step. So it gives way like a wall some thirty times as firm as
-// its contacts. Tissue that the blade presses on a wall has no room for both; were neither to yield, their
-// forces would grow for ever.
+// Fraction of the shell's force kept per step. It makes the shell compliant, like a wall some thirty times as
+// stiff as its contacts. Tissue pressed on a wall by the blade cannot satisfy both; if neither yielded, their
+// forces would grow without bound.
 constexpr float shell_memory = 0.97f;
 
-// Of the way from where it stuck a point forgets half in a step. Drawn back by all of it, a fine tongue
-// between blade and jaw swings with the hand that holds the blade, and under a still blade points stick and
-// slide in turn for ever; forgetting all of it, every load would take the point farther.
+// A point forgets half of its displacement from where it stuck per step. Pulled back by all of it, a fine
+// tongue between blade and jaw oscillates with the hand on the blade, and under a still blade points
+// alternate between sticking and sliding. If all of it were forgotten, every load would make the point creep.
 constexpr float stick_memory = 0.5f;
 
-/// Thirty-two bits for the first particle, twenty-four for the second and eight for the obstacle.
+/// Thirty-two bits for the first particle, twenty-four for the second, eight for the obstacle.
 std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
     return static_cast<std::uint64_t>(contact.particle[0]) << 32 |
            static_cast<std::uint64_t>(contact.particle[1]) << 8 | obstacle;
@@ -40,9 +40,9 @@ std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
 void TongueContacts::configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges) {
     movers_ = std::move(movers);
     edges_ = std::move(edges);
-    last_.reserve(most());
-    now_.reserve(most());
-    obstacle_.reserve(most());
+    last_.reserve(expected_count());
+    now_.reserve(expected_count());
+    obstacle_.reserve(expected_count());
     reset();
 }
 
@@ -60,23 +60,23 @@ void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& bl
             last_.push_back({key_of(contacts[n], obstacle_[n]), contacts[n].force, contacts[n].slip});
         }
     }
-    std::ranges::sort(last_, {}, &Known::key);
+    std::ranges::sort(last_, {}, &PreviousContact::key);
     now_.clear();
     obstacle_.clear();
-    meet_blade(particles, blade);
-    meet_shell(particles, shell);
+    collide_blade(particles, blade);
+    collide_shell(particles, shell);
     std::swap(now_, contacts);
 }
 
-const TongueContacts::Known* TongueContacts::known(const pbd::MeshContact& contact,
-                                                   std::uint8_t obstacle) const {
+const TongueContacts::PreviousContact* TongueContacts::find_previous(const pbd::MeshContact& contact,
+                                                                     std::uint8_t obstacle) const {
     const std::uint64_t key = key_of(contact, obstacle);
-    const auto found = std::ranges::lower_bound(last_, key, {}, &Known::key);
+    const auto found = std::ranges::lower_bound(last_, key, {}, &PreviousContact::key);
     return found != last_.end() && found->key == key ? &*found : nullptr;
 }
 
 void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle) {
-    const Known* const last = known(contact, obstacle);
+    const PreviousContact* const last = find_previous(contact, obstacle);
     if (contact.gap >= 0.0f && last == nullptr) {
         return;
     }
@@ -88,7 +88,7 @@ void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle)
     }
 }
 
-void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBlade& blade) {
+void TongueContacts::collide_blade(const pbd::Particles& particles, const MovingBlade& blade) {
     const RigidTransform carry = blade.to * blade.from.inverse();
     const auto slip_of = [&](const Vec3f& before, const Vec3f& now) -> Vec3f { return now - carry * before; };
     float widest = 0.0f;
@@ -108,7 +108,7 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
             if (!box.contains(x)) {
                 continue;
             }
-            const Vec3f away = pbd::away_from(a, b, x);
+            const Vec3f away = pbd::offset_from_segment(a, b, x);
             const float reach = capsule.radius + particles.radius[i];
             const float squared = away.squaredNorm();
             if (squared >= (reach + left_behind) * (reach + left_behind)) {
@@ -126,12 +126,12 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
         for (const auto& [i, k] : edges_) {
             const Vec3f& x = particles.predicted[i];
             const Vec3f& y = particles.predicted[k];
-            // Its ends may lie anywhere: a blade drawn back and pushed on stretches edges to a centimetre.
+            // Both ends count: a blade drawn back and pushed forward stretches edges to a centimetre.
             if (!box.intersects(Eigen::AlignedBox3f(x.cwiseMin(y), x.cwiseMax(y)))) {
                 continue;
             }
             const auto [t, on_axis] = closest_on_segments(x, y, a, b);
-            if (t < least_along || t > 1.0f - least_along) {
+            if (t < min_along || t > 1.0f - min_along) {
                 continue;
             }
             const Vec3f point = x + t * (y - x);
@@ -153,9 +153,9 @@ void TongueContacts::meet_blade(const pbd::Particles& particles, const MovingBla
     }
 }
 
-void TongueContacts::meet_shell(const pbd::Particles& particles, const Shell& shell) {
+void TongueContacts::collide_shell(const pbd::Particles& particles, const Shell& shell) {
     clearance_.begin(movers_.size(), shell.revision);
-    auto last = last_.begin();  // both lists go by the particle's number
+    auto last = last_.begin();  // both lists are sorted by particle index
     for (std::size_t n = 0; n < movers_.size(); ++n) {
         const std::uint32_t i = movers_[n];
         if ((particles.channels[i] & pbd::channel::shell) == 0) {
@@ -165,7 +165,7 @@ void TongueContacts::meet_shell(const pbd::Particles& particles, const Shell& sh
         pbd::MeshContact contact;
         contact.particle = {i, i};
         const std::uint64_t key = key_of(contact, shell_obstacle);
-        last = std::find_if(last, last_.end(), [&](const Known& k) { return k.key >= key; });
+        last = std::find_if(last, last_.end(), [&](const PreviousContact& k) { return k.key >= key; });
         const bool touched = last != last_.end() && last->key == key;
         if (!clearance_.inside(n, x, shell.distance) && !touched) {
             continue;

@@ -7,33 +7,33 @@
 #include <cmath>
 
 #include "server/parallel/loops.hpp"
-#include "server/pbd/contact.hpp"
+#include "server/pbd/contact/contact.hpp"
 #include "server/scene/friction.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-// [m]; beside the tube's own way, tissue and tube come no closer to each other within a step.
+// [m], maximum approach of tissue and tube within a step, besides the tube's own travel.
 constexpr float slack = 2e-3f;
 // [m], a particle's radius, and more.
 constexpr float tube_wake_margin = 3e-3f;
-// A lubricated tube on wet mucosa, and on wet steel: a rigid sled on the wall of the small bowel slides at
-// 0.007 to 0.054 (Lyle et al., Tribology Letters 2013;51:377). Figures of what holds a wet tube at rest
-// depend on how long it lay, and none stands out; so one coefficient for both.
-// [N/m]; at the newton that a hand puts on a tube the overlap is a third of a millimetre.
+// A lubricated tube on wet mucosa and wet steel: a rigid sled on the wall of the small bowel slides at 0.007
+// to 0.054 (Lyle et al., Tribology Letters 2013;51:377). Static friction of a wet tube depends on resting
+// time, without a typical value; hence one coefficient for both. [N/m]; at the newton that a hand puts on a
+// tube the overlap is a third of a millimetre.
 constexpr float stiffness = 3000.0f;
-// Shell and blade meet the tube in points this share of a segment from its rear: 3 mm apart, closer than
-// the tube is thick. The last is the tip, so that the whole centre line stays out of the shell.
+// Contact sites with shell and blade, as fractions of a segment from its rear: 3 mm apart, less than the
+// tube's thickness. The last is the tip, so that the whole centre line stays out of the shell.
 constexpr float samples[] = {0.25f, 0.5f, 0.75f, 1.0f};
-// The blade's plate as the tube meets it: thicker than steel, so that it is not stepped through.
+// Half thickness of the blade's plate in contact with the tube: thicker than steel, against tunnelling.
 constexpr float plate_half_thickness = 1.5e-3f;  // [m]
-// Room for the particles about a tube in the throat, so that a step does not allocate; more may come.
-constexpr std::size_t most_near_particles = 2048;
-// [m], of rounding where a particle is taken to be clear of the tube.
+// Expected number of particles near a tube in the throat, so that a step does not allocate; not a limit.
+constexpr std::size_t max_near_particles = 2048;
+// [m], rounding margin of the test that a particle is clear of the tube.
 constexpr float tube_rounding = 1e-5f;
 constexpr std::size_t near_at_a_time = 256;
-// The first pass finds which contacts hold, the second with what force.
+// The first pass finds the active contacts, the second their forces.
 constexpr int passes = 2;
 
 pbd::RodContact new_contact() {
@@ -43,29 +43,30 @@ pbd::RodContact new_contact() {
     return contact;
 }
 
-// [m]; the distances that the walls' force goes by differ from the interpolated ones by less.
+// [m]; the smooth distances used for the wall's force differ from interpolated ones by less.
 constexpr float steady_margin = 0.2e-3f;
-// Of the radius: a wall does not harden beyond this, which leaves the centre line a tenth of a millimetre.
+// Fraction of the radius beyond which a wall does not stiffen, which leaves a tenth of a millimetre for the
+// centre line.
 constexpr float hardest = 0.95f;
-// [m], what a segment may go within a pass where no wall is near, and where one is as near as can be.
-constexpr float most_room = 5e-3f;
-constexpr float least_room = 0.03e-3f;
-// A distance on the grid changes by no more than sqrt(3) of a way.
+// [m], maximum displacement of a segment per pass: without a wall near, and at a wall.
+constexpr float max_room = 5e-3f;
+constexpr float min_room = 0.03e-3f;
+// A grid distance changes by at most sqrt(3) times the displacement.
 constexpr float room_per_distance = 0.5f;
 
-void take_room(float distance, float& room) {
-    room = std::min(room, std::max(room_per_distance * distance, least_room));
+void limit_clearance(float distance, float& clearance) {
+    clearance = std::min(clearance, std::max(room_per_distance * distance, min_room));
 }
 
-/// The wall's force at the middle of a tube of `radius` [m]. It comes from an energy, so that no tube can
-/// draw any from going round and about between walls; its direction changes steadily. It hardens as the
-/// centre line nears the wall: stiffness x / (1 - (x / radius)^2) at an overlap of x.
-void press(const SteadyDistance& wall, float radius, pbd::RodContact& c) {
+/// The wall's force at the centre of a tube of `radius` [m]. It derives from an energy, so that a tube moving
+/// in cycles between walls gains none, and its direction is continuous. It stiffens as the centre line
+/// approaches the wall: stiffness x / (1 - (x / radius)^2) at an overlap of x.
+void press(const SplineDistance& wall, float radius, pbd::RodContact& c) {
     const float slope = wall.gradient.norm();
     c.gap = wall.distance - radius;
     c.stiffness = stiffness;
-    c.turning.setZero();
-    // In the middle between walls it vanishes; any direction is then as good as another.
+    c.geometric_stiffness.setZero();
+    // Midway between walls the gradient vanishes; any direction will do.
     c.normal = slope > 1e-6f ? Vec3f(wall.gradient / slope) : Vec3f(Vec3f::UnitZ());
     if (c.gap >= 0.0f) {
         return;
@@ -74,27 +75,27 @@ void press(const SteadyDistance& wall, float radius, pbd::RodContact& c) {
     const float left = 1.0f - share * share;
     const float force = stiffness * (share * radius / left + (-c.gap - share * radius));
     const float harder = stiffness * (1.0f + share * share) / (left * left);
-    // The contact's law is linear: it gets the tangent.
+    // The contact law is linear: it gets the tangent.
     c.stiffness = std::max(harder * slope * slope, 1e-3f * stiffness);
     c.gap = -force * slope / c.stiffness;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes(-force * wall.bend);
-    c.turning = axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0f).asDiagonal() *
-                axes.eigenvectors().transpose();
+    c.geometric_stiffness = axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0f).asDiagonal() *
+                            axes.eigenvectors().transpose();
 }
 
-Vec3f across(const Vec3f& way, const Vec3f& normal) {
-    return way - way.dot(normal) * normal;
+Vec3f across(const Vec3f& displacement, const Vec3f& normal) {
+    return displacement - displacement.dot(normal) * normal;
 }
 
 }  // namespace
 
 TubeContact::TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip)
-    : scope_(scope), rod_(tube, pbd::RodSettings{.hold = pbd::RodHold{}}, grip), room_(rod_.size()) {
+    : scope_(scope), rod_(tube, pbd::RodSettings{.hold = pbd::RodHold{}}, grip), clearance_(rod_.size()) {
     static_assert(std::size(samples) == samples_per_segment);
-    near_.reserve(most_near_particles);
-    last_near_.reserve(most_near_particles);
-    last_force_.reserve(most_near_particles);
-    contacts_.reserve(2 * sites() + most_near_particles);
+    near_.reserve(max_near_particles);
+    last_near_.reserve(max_near_particles);
+    last_force_.reserve(max_near_particles);
+    contacts_.reserve(2 * sites() + max_near_particles);
     contacts_.resize(2 * sites(), new_contact());
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         pbd::RodContact& c = contacts_[k];
@@ -121,7 +122,7 @@ void TubeContact::nodes(std::vector<Vec3f>& out) const {
 }
 
 float TubeContact::find_reach(const RigidTransform& grip_from, const RigidTransform& grip_to) {
-    // As far as the tube went in the last step and the grip goes in this one: hands do not jump.
+    // The tube's displacement in the last step plus the grip's in this one: hands do not jump.
     float way = (grip_to.translation - grip_from.translation).norm();
     find_ends();
     for (std::size_t s = 0; s < last_ends_.size(); ++s) {
@@ -142,7 +143,8 @@ void TubeContact::wake(pbd::SoftBody& body, const RigidTransform& grip_from, con
     box.max() += margin;
     body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
         return std::ranges::any_of(ends_, [&](const Ends& e) {
-            return pbd::away_from(e.rear, e.front, p).squaredNorm() < (reach + radius) * (reach + radius);
+            return pbd::offset_from_segment(e.rear, e.front, p).squaredNorm() <
+                   (reach + radius) * (reach + radius);
         });
     });
 }
@@ -182,7 +184,7 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
         float closest = far * far;
         for (std::size_t s = 0; s < rod_.size(); ++s) {
             const auto& [a, b] = ends_[s];
-            const float squared = pbd::away_from(a, b, particles.position[i]).squaredNorm();
+            const float squared = pbd::offset_from_segment(a, b, particles.position[i]).squaredNorm();
             if (squared < far * far) {
                 near.first = std::min(near.first, static_cast<std::uint32_t>(s));
                 near.end = static_cast<std::uint32_t>(s + 1);
@@ -195,11 +197,11 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
         }
     };
     particles.for_awake(pick);
-    keep_forces();
+    warm_start();
 }
 
-void TubeContact::keep_forces() {
-    // Both lists go by the particle's number.
+void TubeContact::warm_start() {
+    // Both lists are sorted by particle index.
     const std::span<const pbd::RodContact> last = std::span(contacts_).subspan(2 * sites());
     last_force_.resize(near_.size());
     std::size_t k = 0;
@@ -236,20 +238,20 @@ void TubeContact::find_ends() {
     }
 }
 
-void TubeContact::follow_ends() {
-    ways_.resize(rod_.size());
+void TubeContact::update_segment_travel() {
+    travel_.resize(rod_.size());
     for (std::size_t s = 0; s < rod_.size(); ++s) {
         const Ends now{rod_.point(s, 0.0f), rod_.point(s, 1.0f)};
         const auto way_from = [&](const Vec3f& rear, const Vec3f& front) {
             return std::sqrt(std::max((now.rear - rear).squaredNorm(), (now.front - front).squaredNorm()));
         };
-        ways_[s] = {way_from(ends_[s].rear, ends_[s].front),
-                    way_from(rod_.previous_point(s, 0.0f), rod_.previous_point(s, 1.0f))};
+        travel_[s] = {way_from(ends_[s].rear, ends_[s].front),
+                      way_from(rod_.previous_point(s, 0.0f), rod_.previous_point(s, 1.0f))};
         ends_[s] = now;
     }
 }
 
-float TubeContact::farthest_from_ends() const {
+float TubeContact::max_travel() const {
     float squared = 0.0f;
     for (std::size_t s = 0; s < rod_.size(); ++s) {
         squared = std::max({squared, (rod_.point(s, 0.0f) - ends_[s].rear).squaredNorm(),
@@ -264,53 +266,53 @@ void TubeContact::predict(float dt, float end, const Vec3f& gravity) {
 }
 
 void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end) {
-    find_room(shell);
-    rod_.hold_back(room_);
+    find_clearance(shell);
+    rod_.limit_motion(clearance_);
     for (int pass = 0; pass < passes; ++pass) {
-        meet_shell(shell);
-        meet_blade(interpolate(blade_from_, blade_to_, begin), interpolate(blade_from_, blade_to_, end));
-        meet_tissue(particles);
-        rod_.solve(contacts_, room_);
+        collide_shell(shell);
+        collide_blade(interpolate(blade_from_, blade_to_, begin), interpolate(blade_from_, blade_to_, end));
+        collide_tissue(particles);
+        rod_.solve(contacts_, clearance_);
         if (near_.empty()) {
-            const float way = farthest_from_ends();
+            const float way = max_travel();
             if (std::ranges::all_of(contacts_, [&](const auto& c) { return c.gap > way; })) {
-                break;  // it met nothing, so there is nothing to weigh
+                break;  // without contact there is nothing to distribute
             }
         }
     }
     for (std::size_t n = 0; n < near_.size(); ++n) {
         const std::uint32_t i = near_[n].particle;
         const pbd::RodContact& c = contacts_[2 * sites() + n];
-        particles.predicted[i] -= c.yielding * c.force;
+        particles.predicted[i] -= c.compliance * c.force;
     }
 }
 
-void TubeContact::find_room(const DistanceGrid& shell) {
-    std::ranges::fill(room_, most_room);
+void TubeContact::find_clearance(const DistanceGrid& shell) {
+    std::ranges::fill(clearance_, max_room);
     for (std::size_t k = 0; k < sites(); ++k) {
         const pbd::RodContact& c = contacts_[k];
-        take_room(shell.distance(rod_.previous_point(c.segment, c.along)), room_[c.segment]);
+        limit_clearance(shell.distance(rod_.previous_point(c.segment, c.along)), clearance_[c.segment]);
     }
 }
 
-void TubeContact::meet_shell(const DistanceGrid& shell) {
-    std::ranges::fill(room_, most_room);
+void TubeContact::collide_shell(const DistanceGrid& shell) {
+    std::ranges::fill(clearance_, max_room);
     for (std::size_t k = 0; k < sites(); ++k) {
         pbd::RodContact& c = contacts_[k];
         const Vec3f p = rod_.point(c.segment, c.along);
         const float distance = shell.distance(p);
-        take_room(distance, room_[c.segment]);
+        limit_clearance(distance, clearance_[c.segment]);
         c.gap = distance - rod_.radius();
         if (c.gap >= steady_margin && c.force.isZero(0.0f)) {
-            continue;  // does not act
+            continue;  // inactive
         }
-        press(shell.steady(p), rod_.radius(), c);
+        press(shell.spline_sample(p), rod_.radius(), c);
         c.offset = -rod_.radius() * c.normal;
         c.slip = across(p - rod_.previous_point(c.segment, c.along), c.normal);
     }
 }
 
-void TubeContact::meet_blade(const RigidTransform& before, const RigidTransform& now) {
+void TubeContact::collide_blade(const RigidTransform& before, const RigidTransform& now) {
     const RigidTransform into = now.inverse();
     const float crest_base = scope_.capsules[1].radius;
     const float crest_tip = scope_.capsules[2].radius;
@@ -327,7 +329,7 @@ void TubeContact::meet_blade(const RigidTransform& before, const RigidTransform&
         const Vec3f half(crest_base + (crest_tip - crest_base) * u, plate_half_thickness,
                          0.5f * scope_.blade_length);
         const Vec3f centre(0.0f, half.x() - plate_half_thickness, 0.5f * scope_.blade_length);
-        // Distance to a box: outside by the clamped offset, inside by the way out through the plate.
+        // Distance to a box: outside by the clamped offset, inside by the distance through the plate.
         const Vec3f offset = p - centre;
         const Vec3f beyond = offset.cwiseAbs() - half;
         const Vec3f outside = beyond.cwiseMax(0.0f);
@@ -342,13 +344,13 @@ void TubeContact::meet_blade(const RigidTransform& before, const RigidTransform&
         }
         c.normal = now.rotation * normal;
         c.offset = -rod_.radius() * c.normal;
-        const Vec3f carried = world - before * p;  // by the blade, from where that spot of it was
+        const Vec3f carried = world - before * p;  // motion of that point of the blade
         c.slip = across(world - rod_.previous_point(c.segment, c.along) - carried, c.normal);
     }
 }
 
-void TubeContact::meet_tissue(const pbd::Particles& particles) {
-    follow_ends();
+void TubeContact::collide_tissue(const pbd::Particles& particles) {
+    update_segment_travel();
     parallel::for_each(near_.size(), near_at_a_time,
                        [&](std::size_t n) { meet(particles, near_[n], contacts_[2 * sites() + n]); });
 }
@@ -358,17 +360,17 @@ void TubeContact::meet(const pbd::Particles& particles, Near& near, pbd::RodCont
     const Vec3f& p = particles.predicted[i];
     const Vec3f& before = particles.position[i];
     const float radius = particles.radius[i];
-    Way way;
+    SegmentTravel way;
     for (std::uint32_t s = near.first; s < near.end; ++s) {
-        way.since_found = std::max(way.since_found, ways_[s].since_found);
-        way.of_substep = std::max(way.of_substep, ways_[s].of_substep);
+        way.since_found = std::max(way.since_found, travel_[s].since_found);
+        way.of_substep = std::max(way.of_substep, travel_[s].of_substep);
     }
     near.clear -= way.since_found;
     if (c.force.isZero(0.0f)) {
         const float clear = near.clear - (p - near.at).norm();
         if (clear > way.of_substep + (p - before).norm() + tube_rounding) {
             c.gap = clear;
-            return;  // on no part of its way did it touch
+            return;  // no contact on its whole path
         }
     }
     constexpr float none = 1.0f;
@@ -390,7 +392,7 @@ void TubeContact::meet(const pbd::Particles& particles, Near& near, pbd::RodCont
     near.at = p;
     near.clear = closest < none ? c.gap : 0.0f;
     stop_head_on(before, p, radius, c);
-    c.yielding = particles.inverse_mass[i] * dt_ * dt_;
+    c.compliance = particles.inverse_mass[i] * dt_ * dt_;
     c.slip = across(rod_.point(c.segment, c.along) - rod_.previous_point(c.segment, c.along) - (p - before),
                     c.normal);
 }
@@ -402,18 +404,18 @@ void TubeContact::stop_head_on(const Vec3f& before, const Vec3f& now, float radi
     if (!pbd::runs_head_on(moved, moved.normalized(), reach)) {
         return;  // too slow
     }
-    const Vec3f from = before + moved;  // as the tube, where it is now, sees it
+    const Vec3f from = before + moved;  // in the frame of the tube's current position
     const auto& [a, b] = ends_[c.segment];
     const std::optional<Vec3f> met = pbd::first_contact(a, b, reach, from, now);
     if (!met.has_value()) {
         return;
     }
-    const Vec3f normal = pbd::away_from(a, b, *met).normalized();
-    const Vec3f way = now - from;
-    if (way.dot(normal) < 0.0f && pbd::runs_head_on(moved, normal, reach)) {
-        // Passed over altogether, it goes back to where both met.
+    const Vec3f normal = pbd::offset_from_segment(a, b, *met).normalized();
+    const Vec3f displacement = now - from;
+    if (displacement.dot(normal) < 0.0f && pbd::runs_head_on(moved, normal, reach)) {
+        // If the tube has passed over it, the particle is moved back to the point of impact.
         const Vec3f clear =
-            c.gap < 0.0f ? pbd::moved_clear(a, b, reach, now, moved.normalized()) : Vec3f(*met);
+            c.gap < 0.0f ? pbd::pushed_clear(a, b, reach, now, moved.normalized()) : Vec3f(*met);
         const Vec3f push = clear - now;
         c.gap = -push.norm();
         c.normal = -push.normalized();

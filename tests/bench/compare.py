@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Costs of two builds of the server beside each other, in one run: what a step takes while the blade lifts.
+"""Compares the cost of two builds of the server in one run: the time of a step while the blade lifts.
 
 Usage: compare.py BEFORE_BIN AFTER_BIN [--scenario NAME]... [--from STEP] [--to STEP] [--rounds N]
 
-Each build runs its own scenarios and its own expert, as fast as it can, to both steps and by turns; a step's cost is
-the difference of both runs over the number of steps between. On one thread it is the processor's time, on two the
-clock's. Prints a table of milliseconds and ratios, each the median of the rounds: a machine that grows slower for a
-minute changes both costs of a round, and hardly their ratio. For an older revision:
+Each build runs its own scenarios and its own expert, as fast as it can, to both steps, alternating. A step's cost is
+the difference of both runs over the number of steps in between. It is processor time on one thread, wall time on two.
+Prints a table of milliseconds and ratios, each the median of the rounds: a machine that slows down for a minute changes
+both costs of a round, but hardly their ratio. For an older revision:
 
     git worktree add ../before REVISION && cd ../before && cmake --preset release && cmake --build --preset release
 """
@@ -23,7 +23,7 @@ from pathlib import Path
 
 
 def run(binary, scenario, threads, steps):
-    """Seconds that a run of so many steps takes: the processor's and the clock's."""
+    """Seconds for a run of that many steps: processor time and wall time."""
     begun = time.monotonic()
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     done = subprocess.run([binary, "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds", "--json",
@@ -35,7 +35,7 @@ def run(binary, scenario, threads, steps):
 
 
 def compare(binaries, scenario, threads, first, last, rounds):
-    """Milliseconds a step before and after, and their ratio."""
+    """Milliseconds per step before and after, and their ratio."""
     clock = 0 if threads == 1 else 1
     costs = []
     for _ in range(rounds):

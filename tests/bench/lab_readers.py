@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What readers of surfaces and particles cost the server: whole sessions of the scripted expert by the clock, with none
-and with one reader of each topic, in turns. Prints one CSV row for each kind; deploy/figures.sh calls this."""
+"""Cost of readers of surfaces and particles for the server: whole real-time sessions of the scripted expert, with none
+and with one reader of each topic, alternating. Prints one CSV row for each kind; deploy/figures.sh calls this."""
 
 import argparse
 import csv

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What the soaks ask of a process: what of it may grow."""
+"""Resources of a process that the soak tests monitor."""
 
 from pathlib import Path
 

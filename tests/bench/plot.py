@@ -3,8 +3,8 @@
 # Copyright the NeoETI authors
 """Draws the charts of eti-bench: reads its tables in a folder, writes SVG beside them.
 
-Needs Debian's python3-matplotlib. The same tables give the same bytes: what would differ (date, names of clips) is left
-out or fixed. deploy/figures.sh calls this.
+Needs Debian's python3-matplotlib. The same tables give the same bytes: varying parts (date, names of clips) are omitted
+or fixed. deploy/figures.sh calls this.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from plotting import pyplot, rows_of, save
 
 
 def draw_sleep(file, to):
-    """Over an attempt: what the blade feels with and without sleep, their difference, share awake, cost of a step."""
+    """Over an attempt: force on the blade with and without sleep, their difference, share awake, cost of a step."""
     plt = pyplot()
     rows = rows_of(file)
     models = list(dict.fromkeys((row["scenario"], row["model"]) for row in rows))
@@ -61,7 +61,7 @@ def sleep_figures(folder):
         yield folder / "sleep.svg", partial(draw_sleep, folder / "sleep-course.csv")
 
 
-# By what eti-bench measures: from a folder with tables, (file to draw, function that draws into a file).
+# By measurement of eti-bench: from a folder with tables, (file to draw, function that draws into a file).
 PARTS = {"accuracy": accuracy_figures, "calibration": calibration_figures, "stability": stability_figures,
          "sleep": sleep_figures, "haptics": haptics_figures, "bus": bus_figures, "soak": soak_figures}
 

@@ -13,13 +13,13 @@ COLOURS = {"shape matching, PBD": "#c44e52", "shape matching, XPBD": "#4c72b0", 
            "clusters, calibrated by traction": "#64b5cd", "clusters, calibrated by indentation": "#dd8452",
            "clusters, calibrated on the tongue": "#8c613c",
            "mass-spring, explicit": "#937860", "rod": "#8172b2", "fluid": "#4c72b0"}
-# What is not a block of tissue, and does not enter the chart of all blocks.
+# Cases other than blocks of tissue, which are left out of the chart of all blocks.
 APART = ("rod", "fluid")
 TONGUE = ("tongue-force", "tongue-shape", "lift-force", "lift-material", "lift-shape", "lift-view",
           "lift-still")
-# Of these, the ones that decide what is shipped: a view may come out right for the wrong reasons.
+# The decisive ones among them: a view may be right for the wrong reasons.
 DECIDING = ("tongue-force", "tongue-shape", "lift-force", "lift-shape")
-# Cases whose column of errors holds a measure that is not relative.
+# Cases with an absolute measure as error.
 MEASURES = {"lift-still": "rms speed of the tongue [mm/s]"}
 TITLES = {"cantilever": "bar under its weight: displacements", "traction": "bar under traction: displacements",
           "stretch": "bar drawn out: displacements", "twist": "bar turned by 90°: displacements",
@@ -45,14 +45,14 @@ def setting(row):
 
 
 def is_star(row):
-    """Whether a row is of what the scenarios ship."""
+    """Whether a row has the shipped settings of the scenarios."""
     if row.get("case") in TONGUE:
         return row["method"] == SHIPPED_TONGUE and setting(row) == SHIPPED_SCENE[row["case"].split("-")[0]]
     return SHIPPED.get(row["method"]) == setting(row)
 
 
 def pareto(points):
-    """Those of (cost, error) that nothing beats in both."""
+    """The (cost, error) pairs that no other beats in both."""
     front, best = [], math.inf
     for cost, error in sorted(points):
         if error < best:
@@ -62,7 +62,7 @@ def pareto(points):
 
 
 def lines_of(rows):
-    """Settings that differ in substeps only; for PBD, whose passes are of one substep, in passes only."""
+    """Settings that differ in substeps only; for PBD, whose passes belong to one substep, in passes only."""
     lines = defaultdict(list)
     for row in rows:
         passes = row["iterations"] if row["method"] == "fluid" else 0
@@ -93,7 +93,7 @@ def draw(rows, title, file, measure=None):
     axes.set(xscale="log", yscale="log", title=title, xlabel="wall time per simulated 1/90 s [ms], one thread",
              ylabel=measure or "relative error [%]")
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-    for axis, factor in ((axes.xaxis, 1), (axes.yaxis, 1 if measure else 100)):       # numbers on it even where it spans no decade
+    for axis, factor in ((axes.xaxis, 1), (axes.yaxis, 1 if measure else 100)):       # labels within one decade, too
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter(FuncFormatter(lambda value, _, factor=factor: f"{factor * value:.3g}"))
         axis.set_minor_formatter(NullFormatter())
@@ -103,7 +103,7 @@ def draw(rows, title, file, measure=None):
 
 
 def overall(rows):
-    """Geometric means over the cases of blocks, setting by setting; none where the body flew apart in one."""
+    """Geometric means over the cases of blocks, by setting; none if the body diverged in one."""
     settings = defaultdict(list)
     for row in rows:
         if row["method"] not in APART and row["case"] not in TONGUE:
@@ -139,14 +139,14 @@ def draw_forces(file, to):
                 axes.set_visible(False)
                 continue
             for method, curve in curves.items():
-                # A body that flew apart has no force worth drawing.
+                # A diverged body has no meaningful force.
                 points = [p for p in sorted(set(curve)) if math.isfinite(p[1])]
                 if points:
                     axes.plot(*zip(*points), marker="o", ms=3, lw=1 if method else 4, zorder=2 if method else 1,
                               color=COLOURS.get(method, "lightgrey"), label=method or "reference")
             axes.set(title=f"{case}, spacing {spacing:g} mm", xlabel="depth [mm]", ylabel="force [mN]")
             axes.set_ylim(0.0, 1.5 * max(force for _, force in curves[""]))
-    # Of the panel with most methods: not every case has all.
+    # From the panel with most methods: not every case has all.
     handles, labels = max((axes.get_legend_handles_labels() for line in panels for axes in line),
                           key=lambda legend: len(legend[1]))
     figure.legend(handles, labels, loc="lower center", ncol=4, fontsize=8)
@@ -155,7 +155,7 @@ def draw_forces(file, to):
 
 
 def draw_calibration(file, to):
-    """Modulus measured over the modulus put in, one panel per kind of load."""
+    """Measured over input modulus, one panel per kind of load."""
     rows = rows_of(file)
     plt = pyplot()
     loads = {"traction": ["traction"], "indentation": ["sphere", "blade", "narrow blade", "hertz"]}

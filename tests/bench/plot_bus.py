@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Charts of the bus: age of poses, time to join, what a client draws late and wrongly, cost of observers, endurance."""
+"""Charts of the bus: age of poses, time to join, a client's delay and drawing error, cost of observers, endurance."""
 
 from functools import partial
 
 from plotting import MARKERS, pyplot, rows_of, save
 
-# What issue and documents ask for.
+# Requirements from issue and documents.
 JOIN_WITHIN = 1000.0            # [ms]
 NETWORK_OF_SIXTEEN = 20.0       # [Mbit/s]
 CORE_EACH = 2.0                 # [%]
-ON_A_LOG_AXIS = 1e-3            # stands for nothing
+ON_A_LOG_AXIS = 1e-3            # represents zero
 
 
 def place(row):
-    """In few words: 'shared memory', or '20 ms, 5 %'."""
+    """Short label: 'shared memory', or '20 ms, 5 %'."""
     return row["where"] if row["where"] != "link" else f"{row['delay_ms']} ms, {row['loss_percent']} %"
 
 
@@ -27,7 +27,7 @@ def label_places(axes, names):
 
 
 def draw_latency(file, to):
-    """Of 1 kHz poses, what the bus adds to the link's own delay."""
+    """The bus's latency for 1 kHz poses, in addition to the link's own delay."""
     plt = pyplot()
     rows = rows_of(file)
     figure, axes = plt.subplots(figsize=(8, 3.6))
@@ -42,7 +42,7 @@ def draw_latency(file, to):
 
 
 def draw_joins(file, to):
-    """Until a program has the scene and the server answers its pose."""
+    """Time until a program has the scene and the server answers its pose."""
     plt = pyplot()
     rows = rows_of(file)
     ways = list(dict.fromkeys(row["how"] for row in rows))
@@ -63,7 +63,7 @@ def draw_joins(file, to):
 
 
 def draw_scenes(file, to):
-    """How old a client's picture is, and how far what it shows lies from what was sent."""
+    """Age of a client's picture, and its distance from the sent surfaces."""
     plt = pyplot()
     rows = rows_of(file)
     figure, (age, error) = plt.subplots(1, 2, figsize=(9, 3.8))

@@ -8,8 +8,8 @@ from plotting import MARKERS, pyplot, rows_of, save
 
 
 def stable_over_the_bus(rows):
-    """Of the cells pressed over the bus, by controller, loss and delay: the largest stiffness that was stable (or
-    None), and the smallest that was not (or None where the search ended). Cells that were not measured say nothing."""
+    """Of the cells pressed over the bus, by controller, loss and delay: the largest stable stiffness (or None), and the
+    smallest unstable one (or None where the search ended). Cells that were not measured are ignored."""
     found = {}
     for row in rows:
         if row["stable"]:
@@ -19,10 +19,10 @@ def stable_over_the_bus(rows):
 
 
 def draw_over_the_bus(axes, found, losses):
-    """Filled: the largest stiffness that held still over the bus; cross above it: the next, which did not."""
+    """Filled: the largest stiffness that held still over the bus; cross above it: the next one, which did not."""
     for (passivity, loss, delay), (stable, unstable) in found.items():
         number = losses.index(loss)
-        # Apart by loss and controller, so that they can be distinguished.
+        # Offset by loss and controller, so that they can be distinguished.
         x = delay + 0.55 * (number - 1.5) + (0.25 if passivity == "1" else -0.25)
         colour = dict(color=f"C{number}", mec="black", mew=0.6, ms=6, ls="none", zorder=5)
         if stable:
@@ -34,8 +34,8 @@ def draw_over_the_bus(axes, found, losses):
 
 
 def draw_haptics_stability(file, to):
-    """Largest stable stiffness over delay, one panel per surface and grip, against the bounds; where there is a table
-    of the real loop and server over the bus, its cells too."""
+    """Largest stable stiffness over delay, one panel per surface and grip, against the bounds; with the cells of the
+    real loop and server over the bus, if there is a table of them."""
     plt = pyplot()
     rows = rows_of(file)
     grid = file.with_name("haptics-grid.csv")
@@ -81,29 +81,29 @@ def draw_haptics_stability(file, to):
     save(figure, to)
 
 
-# How long forces are held [ms] where they are let go of at once, and where they are held on.
+# Hold time of forces [ms] if they are released at once, and if they are held on.
 LET_GO, HELD_ON = 17.0, 10000.0
 GRIPS = ("firm grip", "light grip")
 PATTERNS = ("regular", "random", "bursts")
 
 
 def held_in(rows):
-    """What of the gaps' table is as shipped: held for [ms], gone by [ms]."""
+    """The shipped case of the gaps' table: held for [ms], gone by [ms]."""
     (held, gone), = {(float(row["held_ms"]), float(row["gone_ms"])) for row in rows} - \
         {(LET_GO, 20.0), (HELD_ON, 11000.0)}
     return held, gone
 
 
 def gap_line(rows, column, **wanted):
-    """Points of one line over the length of the gap [ms]; what is wanted of the other columns."""
+    """Points of one line over the length of the gap [ms]; `wanted`: filter on the other columns."""
     return sorted((float(row["gap_ms"]), float(row[column])) for row in rows
                   if all(row[key] == str(value) if isinstance(value, str) else float(row[key]) == value
                          for key, value in wanted.items()))
 
 
 def holding_pays_until(rows, surface, grip, speed):
-    """The longest gap [ms] up to which, in the end, letting go at once moves the hand more than holding on does, where
-    the patient moves off at `speed` [mm/s]; None where it does so to the end of the table."""
+    """The longest gap [ms] up to which, in the end, releasing at once moves the hand more than holding on, while the
+    patient moves away at `speed` [mm/s]; None if it does to the end of the table."""
     held, gone = (dict(gap_line(rows, "excursion_mm", surface=surface, grip=grip, pattern="once", held_ms=hold,
                                 patient_mm_per_s=speed)) for hold in (HELD_ON, LET_GO))
     pays = [gap for gap in held if held[gap] <= gone[gap]]
@@ -111,8 +111,8 @@ def holding_pays_until(rows, surface, grip, speed):
 
 
 def draw_haptics_gaps(file, to):
-    """One gap while the patient moves off: where holding on does more harm than letting go. Then gaps again and again:
-    how far the device is from where it would be, and how much of the time it has all of the force."""
+    """One gap while the patient moves away: where holding on does more harm than releasing. Then repeated gaps: the
+    device's deviation from its path without gaps, and the share of the time with full force."""
     plt = pyplot()
     rows = rows_of(file)
     held, gone = held_in(rows)
@@ -166,7 +166,7 @@ def draw_haptics_gaps(file, to):
 
 
 def draw_haptics_response(file, to):
-    """Rendered against set stiffness, and how long a new contact takes to be felt."""
+    """Rendered against set stiffness, and the latency of a new contact."""
     plt = pyplot()
     rows = [row for row in rows_of(file) if row["passivity"] == "1"]
     surfaces = list(dict.fromkeys(row["surface"] for row in rows))
@@ -193,7 +193,7 @@ def draw_haptics_response(file, to):
 
 
 def draw_haptics_laws(file, to):
-    """Force of the device's two laws on the blade that presses the patient's tongue, against finite elements."""
+    """Force of the device's two laws on a blade pressed into the patient's tongue, against finite elements."""
     plt = pyplot()
     rows = rows_of(file)
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.4, 4.0))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Chart of a server whose operator begins again and again: what of it grows, and whether its steps become slower."""
+"""Chart of a server whose operator repeats its script: growth of its resources, and of the time of its steps."""
 
 from functools import partial
 

@@ -7,8 +7,8 @@ from functools import partial
 from plotting import SHIPPED, SHIPPED_TONGUE, pyplot, rows_of, save
 
 FATES = {"fails": (0, "F", "#d9786c"), "recovers": (1, "R", "#e5c469"), "survives": (2, "", "#7fbf8f")}
-# What lies across, and what of it the scenarios ship: the tongue is solved once in a step, but cut into more solves where
-# the blade is fast.
+# Axis across the panels, and its shipped value in the scenarios: the tongue is solved once in a step, which is divided
+# into more solves for a fast blade.
 ACROSS = {"walls": "speed of the hand"}
 SHIPPED_SOLVES = {"blade into tissue on bone": "as cut"}
 SHIPPED_STEP = f"1/{180 * SHIPPED['tetrahedra, XPBD'][1]} s"
@@ -16,7 +16,7 @@ SALIVA_STEP = f"1/{180 * SHIPPED['fluid'][1]} s"
 
 
 def is_shipped(row):
-    """Whether a cell of the maps is computed as the scenarios are."""
+    """Whether a cell of the maps has the scenarios' settings."""
     if row["figure"] == "walls":
         return row["method"] == SHIPPED_STEP
     if row["method"].startswith("saliva"):
@@ -28,7 +28,7 @@ def is_shipped(row):
 
 
 def draw_map(axes, cells, figure):
-    """One panel. A letter says the fate too, so that nobody has to tell colours apart."""
+    """One panel. A letter repeats the outcome, so that the map is readable without colours."""
     from matplotlib.colors import ListedColormap
     columns = list(dict.fromkeys(row["column"] for row in cells))
     names = list(dict.fromkeys(row["row"] for row in cells))

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What all charts share: tables, the drawing library, and what the scenarios ship."""
+"""Common to all charts: tables, the drawing library, and the scenarios' shipped settings."""
 
 import csv
 
 MARKERS = ["o", "s", "^", "D", "v", "P"]
-# What the scenarios ship: spacing [mm], substeps and passes, on the spacing nearest to the scene's 2 mm; for the
-# fluid, what saliva takes.
+# The scenarios' settings: spacing [mm], substeps and passes, on the spacing nearest to the scene's 2 mm; for the fluid,
+# those of saliva.
 SHIPPED = {"tetrahedra, XPBD": (2.5, 8, 1), "clusters, calibrated on the tongue": (2.5, 8, 1), "rod": (10.0, 8, 1),
            "fluid": (1.0, 4, 5)}
-# The same where the case is the scene itself, or its tongue alone: one solve per step, in the scene beside eight substeps
-# of the clusters that lie about it.
+# The same where the case is the scene itself, or its tongue alone: one solve per step, in the scene with eight substeps
+# of the surrounding clusters.
 SHIPPED_TONGUE = "tetrahedra, implicit"
 SHIPPED_SCENE = {"lift": (2.0, 8, 8), "tongue": (2.0, 1, 8)}
 
@@ -21,7 +21,7 @@ def rows_of(file):
 
 
 def pyplot():
-    """Loaded only for drawing: the tests read the tables without it."""
+    """Imported only for drawing: the tests read the tables without it."""
     import matplotlib
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
@@ -30,6 +30,6 @@ def pyplot():
 
 
 def save(figure, file):
-    """Writes an SVG: without a date, so that the same table gives the same bytes."""
+    """Writes an SVG without a date, so that the same table gives the same bytes."""
     figure.savefig(file, metadata={"Date": None})
     pyplot().close(figure)

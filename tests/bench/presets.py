@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""How hard each difficulty preset is for the scripted operators.
+"""Difficulty of each preset for the scripted operators.
 
 Usage: presets.py BIN [--scenario NAME] [--preset NAME]... [--set NAME=VALUE]... [--operator NAME]... [--seeds N]
 
-Each preset's values are put into the scenario, so that they hold from the start, and expert and novice intubate, as
+Each preset's values are written into the scenario, so that they hold from the start; expert and novice intubate, as
 fast as the machine can, with seeds 1 to N. Prints a table: share of the glottis at the best view, greatest force on the
-upper gum, time of the attempt, each the mean over the seeds, and how many tubes lay in the trachea. Of `secretion`,
-which no scenario sets, only the presence is taken: the scenario has `saliva: on`.
+upper gum, time of the attempt, each the mean over the seeds, and the number of tubes in the trachea. Of `secretion`,
+which no scenario sets, only the presence is used: the scenario has `saliva: on`.
 """
 
 import argparse
@@ -26,13 +26,13 @@ OPERATORS = ("expert", "novice")
 
 
 def stands_for(key, name):
-    """Whether a preset's `name` means the scenario's `key`."""
+    """Whether a preset's `name` denotes the scenario's `key`."""
     return key.replace(".", "_") == name or key == f"patient.{name}"
 
 
 def with_preset(scenario, values, keys):
     """The scenario as text, with a preset's values at its own keys."""
-    out = yaml.safe_load((ROOT / f"deploy/scenarios/{scenario}.yaml").read_text())
+    out = yaml.safe_load((ROOT / f"deploy/data/scenarios/{scenario}.yaml").read_text())
     for name, value in values.items():
         if name == "secretion":
             out["saliva"] = True
@@ -44,7 +44,7 @@ def with_preset(scenario, values, keys):
 
 
 def run(server, scenario, operator, seed):
-    """What the server printed of one attempt."""
+    """The server's output for one attempt."""
     done = subprocess.run([server, "--scenario", scenario, "--operator", operator, "--seed", str(seed), "--fast",
                            "--no-dds", "--json", "--threads", "1", "--finish-after-attempt"], capture_output=True,
                           text=True)
@@ -74,7 +74,7 @@ def main():
     server = wanted.bin.resolve() / "eti-server"
     described = json.loads(subprocess.run([server, "--describe"], capture_output=True, text=True, check=True).stdout)
     keys = [entry["key"] for entry in described["scenario"]]
-    files = sorted((ROOT / "deploy/presets").glob("*.yaml"))
+    files = sorted((ROOT / "deploy/data/presets").glob("*.yaml"))
     known = [file.stem for file in files]
     for name in wanted.preset or []:
         if name not in known:
@@ -84,7 +84,7 @@ def main():
         if not equals:
             parser.error(f"--set {one}: expected NAME=VALUE")
         if name != "secretion" and not any(stands_for(key, name) for key in keys):
-            parser.error(f"--set {one}: no key of a scenario is named {name}; the preset's own names are in deploy/presets")
+            parser.error(f"--set {one}: no key of a scenario is named {name}; the preset's own names are in deploy/data/presets")
     print("| preset | operator | glottis at best [%] | gum force [N] | time [s] | success |\n|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for file in files:

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What security costs: the same session with and without identities, in turn, on this machine. Prints a table.
+"""Cost of security: the same session with and without identities, alternating, on this machine. Prints a table.
 
-A scripted expert holds the laryngoscope; an observer without display draws. Of each figure the median of the turns.
+A scripted expert holds the laryngoscope; an observer without display draws. Each figure is the median of the rounds.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-ROWS = (  # label, place in a turn's result, digits
+ROWS = (  # label, key in a round's result, digits
     ("haptic loop, cycle p99 [ms]", ("haptics", "cycle_ms", "p99"), 2),
     ("haptic loop, late cycles [%]", ("haptics", "late_share"), 2),
     ("between messages to the hand, p50 [ms]", ("haptics", "message_ms", "p50"), 2),
@@ -33,7 +33,7 @@ ROWS = (  # label, place in a turn's result, digits
 
 
 class Program:
-    """One process, and the processor time it took."""
+    """One process, and its processor time."""
 
     def __init__(self, command, log):
         self.started = time.monotonic()
@@ -44,7 +44,7 @@ class Program:
                                             stdout=self.output, stderr=errors)
 
     def said(self):
-        """What it printed at its end, with its processor time per second of its life."""
+        """Its final report, with its processor time per second of run time."""
         _, status, used = os.wait4(self.process.pid, 0)
         self.process.returncode = os.waitstatus_to_exitcode(status)
         if self.process.returncode != 0:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What one sees keeps its goals: eti-bench render on the expert's attempts."""
+"""The pictures meet their goals: eti-bench render on the expert's attempts."""
 
 import csv
 import os
@@ -12,13 +12,13 @@ from pathlib import Path
 
 BIN = Path(os.environ.get("ETI_BIN", "build/release/bin"))
 GOLDEN = Path(__file__).resolve().parent / "render" / "golden"
-# Measures whose every case meets its goal. What misses some stands in docs/rendering.md.
+# Measures whose every case meets its goal. docs/rendering.md lists the others.
 MET = ("back_faces", "blade_in_tissue", "edge_stretch", "open_contours", "vertices_apart", "golden_apart",
        "lumen_to_cords", "lumen_to_tongue", "fine_outline", "pogo_apart")
 
 
 class Render(unittest.TestCase):
-    def test_goals(self):
+    def test_pictures_meet_goals(self):
         with tempfile.TemporaryDirectory() as out:
             done = subprocess.run(
                 [BIN / "eti-bench", "render", "--quick", "--scenario", "term", "premature", "premature_bleeding",
@@ -38,7 +38,7 @@ class Render(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("--renew", done.stderr)
 
-    def test_odd_options_are_refused(self):
+    def test_invalid_options_are_refused(self):
         for odd in (["--width", "nan"], ["--eyes", "-1"], ["--height", "0"], ["--renew"]):
             done = subprocess.run([BIN / "eti-bench", "render", *odd], capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, 2, odd)

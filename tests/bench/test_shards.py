@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Sweeps in shards: merged they are the bytes of one run, whoever starts them; and what cannot be merged is refused."""
+"""Sharded sweeps: merged they equal a single run byte by byte, on any runner; tables that cannot be merged are
+rejected."""
 
 import json
 import os
@@ -18,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(os.environ.get("ETI_BIN", ROOT / "build/release/bin"))
 BENCH = BIN / "eti-bench"
 FLEET = ROOT / "deploy/fleet"
-# Small, quick, and without a time of the clock in its table.
+# Small, quick, and without timings in its table.
 SWEEP = ["stability", "--quick", "--only", "sets"]
 
 
@@ -50,7 +51,7 @@ class Shards(unittest.TestCase):
         self.good(BENCH, "merge", self.folder / "merged", *shards)
         return (self.folder / "merged/stability.csv").read_bytes()
 
-    def test_merged_shards_are_the_bytes_of_one_run(self):
+    def test_merged_shards_equal_single_run(self):
         whole = self.in_one()
         self.assertGreater(whole.count(b"\n"), 10)
         for count in (1, 2, 3):
@@ -60,8 +61,8 @@ class Shards(unittest.TestCase):
         rows = [(shard / "stability.csv").read_text().count("\n") - 1 for shard in shards]
         self.assertLessEqual(max(rows) - min(rows), 1, "an even share each")
 
-    def test_tables_with_measured_times_merge_too(self):
-        """Their other columns are the same: two tables, in which a run may write several rows."""
+    def test_tables_with_timings_merge(self):
+        """All other columns are equal: two tables, in which a run may write several rows."""
         sweep = ["accuracy", "--quick", "--only", "tube"]
         self.good(BENCH, *sweep, "--out", self.folder / "one")
         for index in range(2):
@@ -72,7 +73,7 @@ class Shards(unittest.TestCase):
                            for name in ("one", "merged"))
             self.assertEqual(one, merged)
 
-    def test_what_does_not_belong_together_is_refused(self):
+    def test_incompatible_shards_are_refused(self):
         shards = self.in_shards(2)
         other = self.folder / "other"
         self.good(BENCH, "stability", "--quick", "--only", "fluid", "--out", other, "--shard", "1/2")
@@ -101,7 +102,7 @@ class Shards(unittest.TestCase):
             self.assertEqual(done.returncode, 1, text)
             self.assertIn("no shard I/N", done.stderr)
 
-    def test_a_slurm_array_gives_the_same_bytes(self):
+    def test_slurm_array_equals_single_run(self):
         task = {"ETI_BENCH": str(BENCH), "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}
         for index in range(2):
             self.good(FLEET / "slurm.sh", *SWEEP, "--out", self.folder / "many", SLURM_ARRAY_TASK_ID=str(index), **task)
@@ -119,7 +120,7 @@ class Shards(unittest.TestCase):
         done = run("shellcheck", FLEET / "slurm.sh")
         self.assertEqual(done.returncode, 0, done.stdout)
 
-    def test_a_kubernetes_job_gives_the_same_bytes(self):
+    def test_kubernetes_job_equals_single_run(self):
         job = yaml.safe_load((FLEET / "kubernetes.yaml").read_text())
         self.assertEqual((job["apiVersion"], job["kind"]), ("batch/v1", "Job"))
         self.assertEqual(job["spec"]["completionMode"], "Indexed")
@@ -127,7 +128,7 @@ class Shards(unittest.TestCase):
         self.assertEqual({"name": "SHARDS", "value": str(job["spec"]["completions"])}, container["env"][0])
         mounted = {mount["name"] for mount in container["volumeMounts"]}
         self.assertEqual(mounted, {volume["name"] for volume in job["spec"]["template"]["spec"]["volumes"]})
-        # Its command, with a smaller sweep and folders of this test in the place of its volumes.
+        # Its command, with a smaller sweep and folders of this test in place of its volumes.
         script, = container["args"]
         self.assertEqual(script.count("stability --out /results"), 1)
         script = script.replace("stability --out /results", " ".join([*SWEEP, "--out", str(self.folder / "many")]))
@@ -136,8 +137,8 @@ class Shards(unittest.TestCase):
                       PATH=f"{BIN}:{os.environ['PATH']}")
         self.assertEqual(self.merged((self.folder / "many").iterdir()), self.in_one())
 
-    def test_newborns_in_shards_are_the_bytes_of_one_sweep(self):
-        """With a program in the place of eti-anatomy that builds nothing: a sum over its options stands for a newborn."""
+    def test_sharded_newborn_sweep_equals_single_sweep(self):
+        """With a stand-in for eti-anatomy that builds nothing: a sum over its options represents a newborn."""
         builder = self.folder / "eti-anatomy"
         builder.write_text("""#!/bin/sh
 [ $1 = check ] && exec echo '{"invariants": []}'

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Tables of the documents hold the numbers of docs/charts, rounded as they are written."""
+"""Tables of the documents equal the numbers of docs/charts, rounded as written."""
 
 import re
 import unittest
@@ -12,10 +12,11 @@ from plotting import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 CHARTS = ROOT / "docs/charts"
-# Names of the sufficiency page's models in sufficiency.csv, where they differ from the page's beginning of a cell.
+# Models of the sufficiency page by their names in sufficiency.csv, where these differ from the start of the page's
+# cell.
 MODELS = {"richest": "richest", "shipped": "default", "4 substeps": "substeps 4", "6 substeps": "substeps 6",
           "16 substeps": "substeps 16", "tissue within 10 mm": "region 10 mm", "tissue within 15 mm": "region 15 mm",
-          "tongue, epiglottis and larynx": "self-contact", "with saliva": "saliva", "without saliva": "no saliva"}
+          "self-contact of tongue": "self-contact", "with saliva": "saliva", "without saliva": "no saliva"}
 FORCES = ["tongue", "blade", "gum", "epiglottis"]
 
 
@@ -103,9 +104,8 @@ class Tables(unittest.TestCase):
                         self.agrees(cell, error if case == "lift-still" else 100 * error)
 
     def follows(self, heading, file, columns, find=None, page="network-measured.md"):
-        """Holds rows of a table to those of a file: the columns named by number, nothing where nothing was measured.
-        `find`: of a row as written and those measured the one meant, by default that in the same place. Returns the
-        pairs."""
+        """Compares rows of a table with those of a file: the columns by number, empty where nothing was measured.
+        `find`: returns the measured row for a written one, by default the one at the same index. Returns the pairs."""
         measured = rows_of(CHARTS / file)
         _, *rows = table(page, heading)
         if find is None:

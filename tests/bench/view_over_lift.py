@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""How much of the glottis is seen over how far the blade is lifted. Writes a table, and says how steep its slope is.
+"""Visible share of the glottis over the lift of the blade. Writes a table, and prints the steepness of its slope.
 
-The expert's laryngoscope goes beneath the epiglottis, stands there, and lifts slowly, all the way that the expert has;
-no tube comes. Needs python3-h5py and python3-yaml.
+The expert's laryngoscope goes beneath the epiglottis, stops there, and lifts slowly over the expert's whole lift; no
+tube is used. Needs python3-h5py and python3-yaml.
 """
 
 import argparse
@@ -19,15 +19,15 @@ import numpy
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-LIFTS = ({"lift_mm": 9, "pitch_deg": 12, "pivot": "upper_gum"}, {"lift_mm": 8})  # the expert's two, at full length
+LIFTS = ({"lift_mm": 9, "pitch_deg": 12, "pivot": "upper_gum"}, {"lift_mm": 8})  # the expert's two lifts, at full length
 SCENARIOS = "term", "premature"
 GRID = 0.5  # [mm], of the table
 COLUMNS = ("scenario", "speed_mm_per_s", "blade_mm", "view_percent", "tissue_n", "shell_n")
 
 
 def slow_lift(speed):
-    """The expert's script until the blade stands beneath the epiglottis, and then the lift at `speed` [mm/s]."""
-    script = yaml.safe_load((ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
+    """The expert's script until the blade rests beneath the epiglottis, and then the lift at `speed` [mm/s]."""
+    script = yaml.safe_load((ROOT / "deploy/data/operators/expert.yaml").read_text(encoding="utf-8"))
     stages = script["laryngoscope"]
     before = next(i for i, stage in enumerate(stages) if stage["stage"] == "lift")
     script["laryngoscope"] = [*stages[:before], {"stage": "stand", "keep": True, "hold_s": 1.5},
@@ -43,7 +43,7 @@ def turned(quaternion, vector):
 
 
 class Lift:
-    """What a recorded lift shows, from where the blade stood."""
+    """A recorded lift, relative to the blade's initial position."""
 
     def __init__(self, path):
         with h5py.File(path) as file:
@@ -55,7 +55,7 @@ class Lift:
             marks = file["tissue/landmarks"][:].astype(float)
             eye = file["metrics/eye_used"][:].astype(float)
         tip = 1e3 * (pose[:, :3] + turned(pose[:, 3:], numpy.array([[0.0, 0.0, length]])))
-        # It stands where it moves least within a second before it shows anything.
+        # The start is where it moves least within a second, before anything is visible.
         seen = int(numpy.argmax(view > 0.0))
         stood = int(numpy.argmin(numpy.linalg.norm(tip[180:seen] - tip[:seen - 180], axis=1))) + 180
         ends = int(numpy.argmax(numpy.linalg.norm(tip[stood:] - tip[stood], axis=1))) + stood + 1
@@ -70,7 +70,7 @@ class Lift:
         self.opening, self.foreshortened = (1e3 * numpy.linalg.norm(v[half]) for v in (opening, foreshortened))
 
     def first(self, percent):
-        """The lift at which so much is first seen [mm]."""
+        """The lift at which that much is first visible [mm]."""
         return self.lifted[numpy.argmax(self.columns[0] >= percent)]
 
     def table(self):

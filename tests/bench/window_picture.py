@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Takes a picture of a program's window on a display without a screen.
+"""Takes a picture of a program's window on a virtual display.
 
 Usage: window_picture.py [--seconds S] [--keys "KEY ..."] OUT.png PROGRAM ARGUMENT...
 Waits S seconds after the window has opened, presses the keys (xdotool's names), takes the picture and ends the program.

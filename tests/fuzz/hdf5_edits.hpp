@@ -17,11 +17,11 @@
 
 namespace eti::fuzz {
 
-// Bytes as a list of changes to an HDF5 file. The library itself is known to crash on damaged files, and
-// reads those of others in a process of its own. What is tried here is our reading: a file that is sound for
-// the library, with other numbers, types, extents and names than ours.
+// Bytes as a list of edits to an HDF5 file. The library itself is known to crash on damaged files, and reads
+// untrusted ones in a separate process. The target is our reader: a file that is valid for the library, with
+// numbers, types, extents and names other than ours.
 
-/// Gives numbers out of a span of bytes; zeros after its end.
+/// Reads numbers from a span of bytes; zeros after its end.
 class Bytes {
   public:
     Bytes(const std::uint8_t* data, std::size_t size) : bytes_(data, size) {}
@@ -48,8 +48,7 @@ class Bytes {
     std::span<const std::uint8_t> bytes_;
 };
 
-/// The changes that `bytes` stand for, one after another, to objects of `file` by their place among all there
-/// are.
+/// The edits that `bytes` encode, in order, to objects of `file` by their index among all objects.
 class Hdf5Edits {
   public:
     Hdf5Edits(hid_t file, Bytes bytes) : file_(file), bytes_(bytes) {
@@ -100,7 +99,7 @@ class Hdf5Edits {
         return object;
     }
 
-    /// Some elements get other bytes.
+    /// Overwrites some elements with other bytes.
     void numbers(const std::string& name) {
         const hdf5::Handle set(data_set(name), &H5Oclose);
         if (!set) {
@@ -110,7 +109,7 @@ class Hdf5Edits {
         const hdf5::Handle space(H5Dget_space(set.get()), &H5Sclose);
         const std::size_t size = H5Tget_size(type.get());
         const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-        // Texts of their own length are pointers in memory.
+        // Variable-length strings are pointers in memory.
         if (H5Tdetect_class(type.get(), H5T_VLEN) > 0 || H5Tis_variable_str(type.get()) > 0 || count <= 0 ||
             count > 1 << 16) {
             return;
@@ -138,7 +137,7 @@ class Hdf5Edits {
         }
     }
 
-    /// Another data set, or a group, in its place.
+    /// Replaces it by another data set, or a group.
     void replace(const std::string& name) {
         H5Ldelete(file_, name.c_str(), H5P_DEFAULT);
         const hdf5::Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
@@ -163,9 +162,9 @@ class Hdf5Edits {
                                &H5Dclose);
     }
 
-    /// An attribute of it loses its value, gets another, or goes.
+    /// Clears, replaces or removes one of its attributes.
     void attribute(const std::string& name) {
-        // The root group's are those that say what the file is.
+        // The root group's attributes identify the file.
         const char* const place = bytes_.byte() % 2 ? "." : name.c_str();
         const hdf5::Handle object(H5Oopen(file_, place, H5P_DEFAULT), &H5Oclose);
         H5O_info_t info{};
@@ -195,7 +194,7 @@ class Hdf5Edits {
         H5Awrite(found.get(), type.get(), value.data());
     }
 
-    /// One object by the name of another.
+    /// Links one object under the name of another.
     void alias(const std::string& name) {
         const std::string& other = names_[bytes_.below(names_.size())];
         if (name != other) {
@@ -209,7 +208,7 @@ class Hdf5Edits {
     std::vector<std::string> names_;
 };
 
-/// Puts a sound file into `file`, with the changes that `data` stands for.
+/// Writes a valid file into `file`, with the edits that `data` encodes.
 inline void hold_changed(const MemoryFile& file, const std::vector<char>& sound, const std::uint8_t* data,
                          std::size_t size) {
     file.hold(sound.data(), sound.size());

@@ -13,8 +13,8 @@
 
 namespace eti::fuzz {
 
-/// A file that lies in memory, for readers that want a path. HDF5 wants one that leads back to a name, which
-/// that of a descriptor does not.
+/// A file in memory, for readers that need a path. HDF5 needs one that resolves to a name, which a
+/// descriptor's does not.
 class MemoryFile {
   public:
     MemoryFile() { require(descriptor_ >= 0, "no file can be made in /dev/shm"); }

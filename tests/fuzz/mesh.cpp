@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// A surface, by each of the names that tell a format.
+// A surface, by each file name extension that selects a format.
 #include "common/mesh/triangle_mesh.hpp"
 #include "reader.hpp"
 #include "server/patient/imaging/mesh_file.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// A sample as it comes over the bus: the first byte chooses its type, the others are its payload.
+// A sample as received from the bus: the first byte chooses its type, the others are its payload.
 #include <algorithm>
 #include <iterator>
 
-#include "common/bus/wire.hpp"
+#include "common/bus/codec/wire.hpp"
 #include "reader.hpp"
 
 namespace eti::bus {

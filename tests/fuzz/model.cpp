@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// A patient's model, changed inside HDF5 as hdf5_edits.hpp says. What is taken is such as a server relies on.
+// A patient's model, edited inside HDF5 as in hdf5_edits.hpp. An accepted model must satisfy what a server
+// relies on.
 #include <unistd.h>
 
 #include <fstream>

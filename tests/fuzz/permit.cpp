@@ -4,7 +4,7 @@
 // The permissions document of an identity.
 #include <stdexcept>
 
-#include "common/bus/permit.hpp"
+#include "common/bus/security/permit.hpp"
 #include "reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

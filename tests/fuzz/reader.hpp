@@ -9,14 +9,14 @@
 #include <string>
 #include <string_view>
 
-// What the fuzz targets have in common: a reader gives back what it read or throws its own error. Anything
-// else (another exception, a signal, a sanitizer's finding, a hang) is a finding.
+// Common to the fuzz targets: a reader returns what it read or throws its own error. Anything else (another
+// exception, a signal, a sanitizer report, a hang) is a finding.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace eti::fuzz {
 
-/// Ends the program as a finding.
+/// Aborts the program as a finding.
 [[noreturn]] inline void found(std::string_view what) {
     std::fprintf(stderr, "finding: %.*s\n", static_cast<int>(what.size()), what.data());
     std::abort();
@@ -28,8 +28,8 @@ inline void require(bool holds, std::string_view what) {
     }
 }
 
-/// Reads by `read`, whose only exception is `Error`: its message begins with the file's name and is no longer
-/// than a person reads.
+/// Calls `read`, whose only exception may be `Error`: its message begins with the file's name and is short
+/// enough for a person to read.
 template <class Error, class Read>
 void read_or_refuse(const std::string& file, const Read& read) {
     try {

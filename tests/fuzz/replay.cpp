@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// In the place of libFuzzer: gives a target every file of the folders and files named, in the order of their
-// names. What begins with a dash is for libFuzzer, and is passed over.
+// Replacement for libFuzzer: runs a target on every file of the folders and files named, sorted by name.
+// Arguments that begin with a dash are libFuzzer's and are ignored.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>

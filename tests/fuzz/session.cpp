@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// A recorded session, changed inside HDF5 as hdf5_edits.hpp says: everything that a reader asks for.
+// A recorded session, edited inside HDF5 as in hdf5_edits.hpp: every query of a reader.
 #include <unistd.h>
 
 #include <fstream>
 #include <iterator>
 
-#include "common/session/check.hpp"
-#include "common/session/damage.hpp"
 #include "common/session/opinions.hpp"
 #include "common/session/reader.hpp"
+#include "common/session/repair/check.hpp"
+#include "common/session/repair/damage.hpp"
 #include "common/session/writer.hpp"
 #include "hdf5_edits.hpp"
 #include "tests/unit/common/session/sample.hpp"
@@ -18,7 +18,7 @@
 namespace eti::session {
 namespace {
 
-/// A short session with something of everything.
+/// A short session with one of everything.
 std::vector<char> recorded() {
     const std::filesystem::path path =
         std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()) + ".eti.h5");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// Replaces the program's allocation functions by counting ones. In a file of its own, because a
-// compiler that sees them inlined beside their use takes malloc and delete for a mismatch.
+// Replaces the program's allocation functions with counting ones. They have a file of their own: a compiler
+// that inlines them at the call site reports a mismatch of malloc and delete.
 #include "tests/support/allocations.hpp"
 
 #include <atomic>
@@ -36,7 +36,7 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
     throw std::bad_alloc();
 }
 
-// The library's own would call the above, a sanitizer's would not.
+// The standard library's nothrow version calls the one above; a sanitizer's does not.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
     add();
     return std::malloc(size > 0 ? size : 1);

@@ -4,10 +4,10 @@
 
 namespace eti::test {
 
-/// How often this test program has called operator new so far.
+/// Number of calls of operator new by this test program.
 [[nodiscard]] long allocations();
 
-/// The same of the calling thread alone, where others go on beside it.
+/// The same for the calling thread only, where other threads run at the same time.
 [[nodiscard]] long allocations_here();
 
 }  // namespace eti::test

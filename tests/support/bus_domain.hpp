@@ -15,16 +15,15 @@
 
 namespace eti::test {
 
-/// The DDS domain that this process has to itself until it ends, so that tests which run at the same
-/// time do not meet: 1 to 100, because the ports of higher domains lie in the range that the kernel
-/// hands out to others. tests/system/support.py takes domains in the same way.
-/// Throws std::runtime_error when all are taken.
+/// Returns the DDS domain that this process reserves until it exits, so that concurrent tests do not discover
+/// each other. Domains 1 to 100: the ports of higher ones lie in the kernel's ephemeral range.
+/// tests/system/support.py reserves domains in the same way. Throws std::runtime_error when all are taken.
 [[nodiscard]] inline int own_domain() {
     static const int mine = [] {
         constexpr int domains = 100;
         for (int tried = 0; tried < domains; ++tried) {
             const int domain = 1 + (static_cast<int>(::getpid()) + tried) % domains;
-            // A name in the abstract namespace belongs to one socket and goes with its process.
+            // An abstract socket name has a single owner and is released when the process exits.
             const std::string name = "eti-test-domain-" + std::to_string(domain);
             sockaddr_un address{};
             address.sun_family = AF_UNIX;
@@ -35,7 +34,7 @@ namespace eti::test {
                 break;
             }
             if (::bind(token, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
-                return domain;  // the token stays open
+                return domain;  // the descriptor stays open
             }
             ::close(token);
         }
@@ -44,7 +43,7 @@ namespace eti::test {
     return mine;
 }
 
-/// A place on the bus for a participant of that name, in this process's domain.
+/// Options for a participant of that name in this process's domain.
 [[nodiscard]] inline bus::Options bus_options(const std::string& name, const std::string& session = "test") {
     bus::Options options;
     options.session = session;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/pbd/soft_body.hpp"
+#include "server/pbd/soft/soft_body.hpp"
 
 namespace eti::test {
 
@@ -13,7 +13,7 @@ inline constexpr float cluster_spacing = 2e-3f;        ///< [m]
 inline constexpr float cluster_particle_mass = 8e-6f;  ///< [kg]
 
 /// A block of `n` cubed particles, 2 mm apart, in clusters of 27 on every second lattice point, without
-/// damping; free but for the uppermost `held` layers. `early`: see pbd::ShapeMatching::Description.
+/// damping. All are free except the uppermost `held` layers. `early`: see pbd::ShapeMatching::Description.
 inline pbd::SoftBody cluster_block(int n, float youngs_modulus, const Vec3f& at = Vec3f::Zero(), int held = 0,
                                    std::vector<bool> early = {}) {
     constexpr float volume = cluster_spacing * cluster_spacing * cluster_spacing;
@@ -59,7 +59,7 @@ inline pbd::SoftBody cluster_block(int n, float youngs_modulus, const Vec3f& at 
     return body;
 }
 
-/// Particles that no constraint holds.
+/// Unconstrained particles.
 inline pbd::SoftBody loose_particles(std::size_t count) {
     pbd::SoftBody body;
     body.settings.damping = 0.0f;

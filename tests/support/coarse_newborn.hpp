@@ -2,16 +2,16 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "server/app/patient_cache.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/app/run/patient_cache.hpp"
+#include "server/patient/newborn/build/build.hpp"
 
 namespace eti::test {
 
-/// Coarse enough to build the newborn in seconds.
+/// Coarse enough to build the newborn within seconds.
 inline constexpr anatomy::BuildSettings coarse_build{
     .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f};
 
-/// The built-in newborn, from the cache of patients where a program before has built it.
+/// The built-in newborn, from the patient cache if another program has built it already.
 inline const anatomy::Patient& coarse_newborn() {
     static const anatomy::Patient patient = app::cached_patient({}, coarse_build);
     return patient;

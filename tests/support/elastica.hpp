@@ -14,7 +14,7 @@ struct Elastica {
     double length = 0.0;              ///< [m]
     double stiffness = 0.0;           ///< E I [N m^2]
     double rest_curvature = 0.0;      ///< [1/m], positive towards +y
-    Eigen::Vector2d tip_force{0, 0};  ///< [N], along z and y, of constant direction
+    Eigen::Vector2d tip_force{0, 0};  ///< [N], along z and y; direction is fixed in space
     Eigen::Vector2d weight{0, 0};     ///< [N/m], along z and y
 };
 
@@ -53,7 +53,7 @@ inline ElasticaEnd solve(const Elastica& rod) {
         }
         return u;
     };
-    // The largest moment that the loads can put on the clamp: all of them at a full lever.
+    // Upper bound of the moment at the clamp: all loads at the full lever arm.
     const double most = rod.length * (rod.tip_force.norm() + rod.length * rod.weight.norm()) + 1e-12;
     double low = -most;
     double high = most;

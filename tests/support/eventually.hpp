@@ -7,12 +7,12 @@
 
 namespace eti::test {
 
-/// How long to wait for what comes on any machine, however busy: only what hangs takes so long.
-constexpr std::chrono::seconds patience{120};
+/// Timeout for events that must occur on any machine, however busy; only a hang takes this long.
+constexpr std::chrono::seconds default_timeout{120};
 
-/// Whether `condition` comes to hold within `limit`; looks once a millisecond.
+/// Returns whether `condition` becomes true within `limit`; polls once a millisecond.
 template <class Condition>
-[[nodiscard]] bool eventually(Condition condition, std::chrono::milliseconds limit = patience) {
+[[nodiscard]] bool eventually(Condition condition, std::chrono::milliseconds limit = default_timeout) {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (!condition()) {
         if (std::chrono::steady_clock::now() > end) {

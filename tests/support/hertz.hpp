@@ -14,9 +14,9 @@ inline double hertz_force(double radius, double depth, double youngs_modulus, do
            std::pow(depth, 1.5);
 }
 
-/// What a layer of finite thickness, bonded to a rigid floor, makes of Hertz's force: Dimitriadis, Horkay,
-/// Maresca, Kachar & Chadwick 2002, Biophys J 82:2798, eq. 12, a series in the contact's radius over the
-/// thickness. For depths up to a tenth of the thickness and of the radius.
+/// Factor on Hertz's force for a layer of finite thickness bonded to a rigid floor: Dimitriadis, Horkay,
+/// Maresca, Kachar & Chadwick 2002, Biophys J 82:2798, eq. 12, a series in contact radius over thickness.
+/// Valid for depths up to a tenth of the thickness and of the radius.
 inline double bonded_layer_factor(double contact_radius, double thickness, double poisson_ratio) {
     const double nu = poisson_ratio;
     constexpr double pi = std::numbers::pi;

@@ -4,15 +4,15 @@
 
 #include <vector>
 
-#include "server/pbd/shape_matching.hpp"
+#include "server/pbd/soft/shape_matching.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
 
 namespace eti::test {
 
 inline constexpr double cube_radius = 1.8;      ///< [spacings], clusters of 3 x 3 x 3 particles
-inline constexpr double patient_radius = 2.01;  ///< [spacings], as of the patient's: 33 particles
+inline constexpr double patient_radius = 2.01;  ///< [spacings], as in the patient: 33 particles
 
-/// Mass [kg] or volume [m^3] of the lattice's nodes: a quarter of each tetrahedron's for each corner.
+/// Mass [kg] or volume [m^3] of the lattice's nodes: each tetrahedron gives a quarter to each corner.
 inline std::vector<double> node_share(const TetrahedralLattice& lattice, double density) {
     std::vector<double> share(lattice.position.size(), 0.0);
     const double of_corner = density * lattice.cell * lattice.cell * lattice.cell / 24.0;
@@ -24,8 +24,8 @@ inline std::vector<double> node_share(const TetrahedralLattice& lattice, double 
     return share;
 }
 
-/// Clusters around every second node of a lattice with particles of `mass` [kg] and `volume` [m^3] at its
-/// nodes, and a modulus [Pa]. They reach `radius` spacings.
+/// Clusters around every second node of a lattice, with particles of `mass` [kg] and `volume` [m^3] at its
+/// nodes, and a modulus [Pa]. `radius` is in spacings.
 inline pbd::ShapeMatching::Description lattice_clusters(const TetrahedralLattice& lattice,
                                                         const std::vector<double>& mass,
                                                         const std::vector<double>& volume,

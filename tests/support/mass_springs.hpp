@@ -57,7 +57,7 @@ class MassSprings {
         }
     }
 
-    /// Adds what the springs give the free particles in `dt` [s] to their velocities.
+    /// Adds the velocity change of the free particles due to the springs over `dt` [s].
     void accelerate(pbd::Particles& particles, float dt) const {
         for (const Spring& s : springs_) {
             const Vec3f apart = particles.position[s.b] - particles.position[s.a];

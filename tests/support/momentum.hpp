@@ -6,7 +6,7 @@
 
 namespace eti::test {
 
-/// [kg m/s], of the particles that can move; summed in double.
+/// [kg m/s], of the free particles; summed in double.
 inline Vec3d linear_momentum(const pbd::Particles& p) {
     Vec3d sum = Vec3d::Zero();
     for (std::size_t i = 0; i < p.size(); ++i) {

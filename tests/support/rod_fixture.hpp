@@ -2,11 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "server/pbd/rod.hpp"
+#include "server/pbd/rod/rod.hpp"
 
 namespace eti::test {
 
-/// The default tube held by its connector: a cantilever of the whole length, clamped at its end.
+/// The default tube held by its connector: a cantilever of the full length, clamped at its end.
 inline Tube cantilever() {
     Tube tube;
     tube.grip_from_tip = tube.length;
@@ -35,14 +35,14 @@ inline void run(pbd::Rod& rod, double seconds, float dt, const Vec3f& gravity, c
     }
 }
 
-/// Strongly damped, so that it settles within `settled` seconds: the slowest mode decays at least at
-/// w^2 / c, w = 3.52 sqrt(E I / (m L^4)) >= 10 / s for the softest tube here, c = 20 / s.
+/// Strongly damped, so that it settles within `settled` seconds: the slowest mode decays at a rate of at
+/// least w^2 / c. Here w = 3.52 sqrt(E I / (m L^4)) >= 10 / s for the softest tube, and c = 20 / s.
 inline pbd::RodSettings damped(int segments) {
     pbd::RodSettings settings;
     settings.segments = segments;
     settings.velocity_damping = 20.0f;
     return settings;
 }
-inline constexpr double settled = 3.0;  ///< [s]: e^-15 of the start remains
+inline constexpr double settled = 3.0;  ///< [s]; e^-15 of the initial amplitude remains
 
 }  // namespace eti::test

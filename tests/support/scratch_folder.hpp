@@ -9,7 +9,7 @@
 
 namespace eti::test {
 
-/// A test that has an empty folder of its own.
+/// A test fixture with an empty folder of its own.
 class ScratchFolder : public ::testing::Test {
   protected:
     void SetUp() override {

@@ -2,13 +2,13 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include "server/app/patient_cache.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/app/run/patient_cache.hpp"
+#include "server/patient/newborn/build/build.hpp"
 
 namespace eti::test {
 
-/// The built-in newborn as finely as a server has it, from the cache of patients where the same sources have
-/// built it before: that takes a quarter of a minute of the processor.
+/// The built-in newborn at the server's resolution, from the patient cache if the same sources have built it
+/// already: building takes a quarter of a minute of processor time.
 inline const anatomy::Patient& shipped_newborn() {
     static const anatomy::Patient patient = app::cached_patient({}, {});
     return patient;

@@ -35,7 +35,7 @@ inline TetrahedralLattice tetrahedral_lattice(int nx, int ny, int nz, double cel
             }
         }
     }
-    // Each path along the edges from corner 000 to 111 is one tetrahedron; odd ones are turned round.
+    // Each path along the edges from corner 000 to 111 is one tetrahedron; odd permutations are reversed.
     constexpr int path[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
     for (int z = 0; z < nz; ++z) {
         for (int y = 0; y < ny; ++y) {
@@ -58,7 +58,8 @@ inline TetrahedralLattice tetrahedral_lattice(int nx, int ny, int nz, double cel
     return out;
 }
 
-/// Nodal forces of a uniform traction [Pa of the rest shape] on one end along x, by thirds of triangles.
+/// Nodal forces of a uniform traction [Pa of the rest shape] on one end face along x; each triangle gives a
+/// third to each corner.
 inline std::vector<Vec3d> end_traction(const TetrahedralLattice& lattice, int x, const Vec3d& traction) {
     std::vector<Vec3d> force(lattice.position.size(), Vec3d::Zero());
     for (const auto& corner : lattice.tetrahedra) {

@@ -9,8 +9,8 @@
 
 namespace eti::test {
 
-/// Does `work` with as many threads, also where the machine has fewer processors: the usual arena has no room
-/// for more than these, whatever is allowed.
+/// Runs `work` with that many threads, even on a machine with fewer processors: the default arena never has
+/// more slots than processors, whatever the limit.
 template <class Work>
 auto with_threads(std::size_t threads, const Work& work) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);

@@ -13,7 +13,8 @@
 
 namespace eti::test {
 
-/// An X server without a screen, on a display number of its own choice, named by DISPLAY while it lives.
+/// An X server without a screen (Xvfb), on a free display number; DISPLAY names it during this object's
+/// lifetime.
 class VirtualDisplay {
   public:
     VirtualDisplay() {
@@ -27,7 +28,8 @@ class VirtualDisplay {
             const std::string number = std::to_string(ends[1]);
             const int silence = ::open("/dev/null", O_WRONLY);
             ::dup2(silence, STDERR_FILENO);
-            // Without -noreset it starts anew when its last client goes, and refuses the next meanwhile.
+            // Without -noreset, the server resets when its last client disconnects and refuses new clients
+            // meanwhile.
             ::execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24", "-nolisten",
                      "tcp", "-noreset", nullptr);
             ::_exit(127);
@@ -44,7 +46,7 @@ class VirtualDisplay {
         }
     }
     ~VirtualDisplay() {
-        if (process_ > 0) {  // anything else would be signalled to a whole group of processes
+        if (process_ > 0) {  // any other value would signal a whole process group
             ::kill(process_, SIGTERM);
             ::waitpid(process_, nullptr, 0);
         }

@@ -3,7 +3,7 @@
 # Copyright the NeoETI authors
 """Mutants of a session's own traffic, sent back to its programs over loopback.
 
-By hand: hostile_datagrams.py --count 10000000 starts a session, sends, and tells what became of it as JSON.
+Manually: hostile_datagrams.py --count 10000000 starts a session, sends, and prints the outcome as JSON.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import support
 
 DEADLY = (b"RTPS\x02\x03\x01\x0f" + bytes(range(1, 13)) + b"\x80\x01" + struct.pack("<H", 56) + bytes(56) +
           b"\x01\x01\x00\x00")  # a statistics submessage that is not the last
-PAUSE = 2000             # datagrams, after which the receivers get their breath
+PAUSE = 2000             # datagrams, after which the receivers get time to catch up
 PACE = 40_000            # a second
 INTERESTING = (0, 1, 4, 0x7f, 0x80, 0xfe, 0xff)
 KINDS = (0x01, 0x06, 0x07, 0x08, 0x09, 0x0c, 0x0d, 0x0e, 0x0f, 0x12, 0x13, 0x15, 0x16, 0x30, 0x31, 0x32, 0x33, 0x34, 0x80)
@@ -34,7 +34,7 @@ def ports_of(domain):
 
 
 class Tap:
-    """Reads the loopback interface; raises PermissionError where that is not allowed."""
+    """Captures on the loopback interface; raises PermissionError where that is not allowed."""
 
     def __init__(self, domain):
         self.ports = ports_of(domain)
@@ -44,7 +44,7 @@ class Tap:
         self.socket.settimeout(0.2)
 
     def capture(self, count, seconds):
-        """Up to `count` (address, port, payload) of the domain, of every size and kind there is."""
+        """Up to `count` (address, port, payload) of the domain, of every size and kind."""
         found, kinds, end = [], {}, time.monotonic() + seconds
         while len(found) < count and time.monotonic() < end:
             try:
@@ -66,7 +66,7 @@ class Tap:
 
 
 def starts(payload):
-    """Where its submessages start."""
+    """Offsets of its submessages."""
     at, out = 20, []
     while at + 4 <= len(payload):
         out.append(at)
@@ -78,7 +78,7 @@ def starts(payload):
 
 
 def mutant(chance, payload, others):
-    """A message with one to four things wrong; its header stays, so that it passes for a peer's."""
+    """A message with one to four errors; its header is kept, so that it passes for a peer's."""
     data = bytearray(payload)
     for _ in range(chance.choice((1, 1, 1, 2, 4))):
         if len(data) < 24:
@@ -112,7 +112,8 @@ def mutant(chance, payload, others):
 
 
 def far_heartbeats(traffic, by=1_000_000_000):
-    """(address, port, datagram) of the traffic's heartbeats, each alone, that say of their writers so many samples more."""
+    """(address, port, datagram) of the traffic's heartbeats, each alone, that announce that many more samples of their
+    writers."""
     found = []
     for address, port, payload in traffic:
         for at in starts(payload):
@@ -125,13 +126,13 @@ def far_heartbeats(traffic, by=1_000_000_000):
 
 
 class Session:
-    """Server, haptics, tracker and an observer over loopback; nobody moves."""
+    """Server, haptics, tracker and an observer over loopback, without motion."""
 
     def __init__(self, folder, domain, name):
         bus = ["--session", name, "--domain", domain]
         self.bus, self.folder = bus, Path(folder)
         # The observer draws at once: its first picture compiles shaders, for seconds on a busy machine, and would
-        # else be the one that it draws when asked to end.
+        # otherwise be the one that it draws when asked to end.
         commands = {
             "server": ["eti-server", "--scenario", "term", *bus],
             "haptics": ["eti-haptics", "--device", "simulated", *bus, "--json"],
@@ -159,16 +160,16 @@ class Session:
             time.sleep(0.1)
 
     def dead(self):
-        """Those that have ended, with their exit status."""
+        """Programs that have ended, with their exit status."""
         return {role: process.poll() for role, process in self.running.items() if process.poll() is not None}
 
     def answers(self):
-        """A newcomer finds the session and is answered."""
+        """Returns whether a new participant finds the session and is answered."""
         done = support.run("eti-controller", "--set", "suction=0", *self.bus)
         return done.returncode == 0, done.stderr
 
     def end(self):
-        """Seconds that each took to end when asked to; None: it had to be killed."""
+        """Seconds that each took to end on request; None: it had to be killed."""
         taken = {}
         for role, process in reversed(self.running.items()):
             start = time.monotonic()
@@ -183,7 +184,7 @@ class Session:
 
 
 def attack(session, tap, count, seed, say=lambda sent: None):
-    """Sends `count` mutants; stops early when a program has ended. Returns how many were sent."""
+    """Sends `count` mutants; stops early when a program has ended. Returns the number sent."""
     traffic = tap.capture(3000, 6)
     if len(traffic) < 50:
         raise AssertionError(f"only {len(traffic)} datagrams were seen on loopback")
@@ -196,7 +197,7 @@ def attack(session, tap, count, seed, say=lambda sent: None):
             try:
                 sender.sendto(mutant(chance, payload, traffic), (address, port))
             except OSError:
-                pass  # a port that nobody has any more
+                pass  # a port that is no longer open
             if sent % PAUSE == 0:
                 time.sleep(max(0.0, start + sent / PACE - time.monotonic()))
                 if session.dead():

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Runs one scripted operator in the server and keeps what it printed and recorded for the tests that compare runs.
+"""Runs one scripted operator in the server and keeps its output and recording for the tests that compare runs.
 
 Usage: operator_run.py NAME, a key of RUNS. Fails only if the server gave no result.
 """
@@ -16,7 +16,7 @@ import support
 
 FOLDER = support.BIN.parent / "operator-runs"
 
-# Name: scenario, operator, and what is set in the scenario. One thread a run: several run at once.
+# Name: scenario, operator, and changes to the scenario. One thread per run: several run at once.
 RUNS = {
     "expert": ("term", "expert", {"vital_signs": "on"}),
     "novice": ("term", "novice", {}),
@@ -30,8 +30,8 @@ PARTICIPANT = "P07"
 
 
 def scenario_for(name, shipped, settings):
-    """A shipped scenario with these values instead of its own, as a file."""
-    text = (support.ROOT / f"deploy/scenarios/{shipped}.yaml").read_text()
+    """A shipped scenario with these values replaced, as a file."""
+    text = (support.ROOT / f"deploy/data/scenarios/{shipped}.yaml").read_text()
     for key, value in settings.items():
         text, count = re.subn(rf"^(\s*{key}:).*$", rf"\1 {value}", text, flags=re.MULTILINE)
         text += "" if count else f"{key}: {value}\n"
@@ -41,12 +41,12 @@ def scenario_for(name, shipped, settings):
 
 
 def result(name):
-    """What the run `name` printed."""
+    """Output of the run `name`."""
     return json.loads((FOLDER / f"{name}.json").read_text())
 
 
 def said_by(name):
-    """What the server logged in the run `name`."""
+    """The server's log of the run `name`."""
     return (FOLDER / f"{name}.log").read_text()
 
 
@@ -56,11 +56,11 @@ def recording(name):
 
 
 def expert_with_the_tube_too_far():
-    """The expert's script, but that the tube goes on past the carina, as a file."""
-    script = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
+    """The expert's script, except that the tube continues past the carina, as a file."""
+    script = yaml.safe_load((support.ROOT / "deploy/data/operators/expert.yaml").read_text(encoding="utf-8"))
     for stage in (*script["laryngoscope"], *script["tube"]):
         if "tube_depth_mm" in stage.get("until", {}):
-            del stage["until"]  # which ends the advance in time
+            del stage["until"]  # which limits the duration of the advance
             stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 8})
     file = FOLDER / "too_far_operator.yaml"
     file.write_text(yaml.safe_dump(script, sort_keys=False), encoding="utf-8")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The Debian packages of the build under test, made once for all tests that read them."""
+"""The Debian packages of the build under test, built once for all tests that read them."""
 
 import fcntl
 import shutil
@@ -29,7 +29,7 @@ def stale(made):
 
 
 def packages():
-    """{package name: file}; skips where this system has no tools for Debian packages."""
+    """{package name: file}; skips if this system has no tools for Debian packages."""
     for tool in ("cpack", "dpkg-deb", "dpkg-shlibdeps"):
         if shutil.which(tool) is None:
             raise unittest.SkipTest(f"no {tool} here")

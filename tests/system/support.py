@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What the system tests share: running the programs, file systems that refuse, reading pictures."""
+"""Common to the system tests: running the programs, failing file systems, reading pictures."""
 
 import json
 import math
@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "deploy"))
 
 
 def own_domain():
-    """A DDS domain that this process has to itself and the socket that keeps it until the process ends; see
+    """A DDS domain reserved by this process, and the socket that holds it until the process ends; see
     tests/support/bus_domain.hpp."""
     for tried in range(100):
         domain = 1 + (os.getpid() + tried) % 100
@@ -39,10 +39,10 @@ def own_domain():
 DOMAIN, _domain_token = own_domain()
 SESSION = f"test-{os.getpid()}"
 SECONDS_TO_START = 120
-PATIENCE = 120  # [s]: a wait ends with its event, and only a program that hangs takes so long
+PATIENCE = 120  # [s]: a wait ends with its event, and only a hanging program takes this long
 
-# The term scenario on particles of 3 mm, to be quick where a test asks nothing of the tissue.
-COARSE_TERM = ROOT / "deploy/studies/patients/term_3500.yaml"
+# The term scenario on particles of 3 mm, for tests that do not depend on the tissue.
+COARSE_TERM = ROOT / "deploy/data/studies/patients/term_3500.yaml"
 
 # Table 2 of the paper, by the names of JSON and session file.
 PAPER_PARAMETERS = {
@@ -54,12 +54,12 @@ PAPER_PARAMETERS = {
 
 
 def limit_memory():
-    """Ends a program that a hostile file makes grow: a whole run needs well under this."""
+    """Ends a program whose memory a hostile file inflates: a whole run needs well under this."""
     resource.setrlimit(resource.RLIMIT_DATA, (4 << 30, 4 << 30))
 
 
 def wait_until(happened, what):
-    """Waits for a condition; `what`: text, or a function that gives it, for a condition that never comes."""
+    """Waits for a condition; `what`: text, or a function that returns it, for the error on timeout."""
     end = time.monotonic() + PATIENCE
     while not happened():
         if time.monotonic() > end:
@@ -68,25 +68,25 @@ def wait_until(happened, what):
 
 
 def cached_patients():
-    """Where servers keep the newborns that they have built, as server/app/patient_cache.hpp says."""
+    """Where servers keep the newborns that they have built, see server/app/run/patient_cache.hpp."""
     return Path(os.environ.get("ETI_CACHE") or
                 Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "neoeti")
 
 
 def takes(process, number):
-    """Whether a program has set up what it does at a signal, by proc(5): before, the signal ends it."""
+    """Whether a program has installed its handler for a signal, by proc(5): before that, the signal ends it."""
     status = Path(f"/proc/{process.pid}/status").read_text()
     return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1 == 1
 
 
 def processor_seconds(process):
-    """User and system time that a program has taken so far."""
+    """User and system time of a program so far."""
     fields = Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def run(program, *arguments, timeout=PATIENCE, wrapper=(), **options):
-    """Runs a program of ours to its end; standard output and error as text."""
+    """Runs one of our programs to its end; standard output and error as text."""
     command = [*map(str, wrapper), str(BIN / program), *map(str, arguments)]
     return subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
                           timeout=timeout, preexec_fn=limit_memory, **options)
@@ -100,7 +100,7 @@ class Case(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
     def assert_refused(self, done, *said):
-        """The program ended by itself, not by a signal, without success, and said these words."""
+        """The program exited by itself, not by a signal, without success, and printed these words."""
         self.assertGreater(done.returncode, 0, f"exit status {done.returncode}\n{done.stderr}")
         self.assertLess(done.returncode, 128, done.stderr)
         self.assertNotIn("terminate called", done.stderr)
@@ -149,7 +149,7 @@ class Programs(Case):
             time.sleep(0.05)
 
     def start_server(self, *options, scenario="term"):
-        """One that records; returns once its patient is built."""
+        """Starts a recording server; returns once its patient is built."""
         self.record = self.folder / "server.eti.h5"
         self.start("server", "eti-server", "--scenario", scenario, "--record", self.record, *options)
         self.wait_for("server", "runs scenario", SECONDS_TO_START)
@@ -160,12 +160,12 @@ class Programs(Case):
         self.assertEqual(self.running[role].wait(PATIENCE), 0, self.log(role))
 
     def simulated(self):
-        """Simulation time and how far it is behind the clock [s], as the server last said."""
+        """Simulation time and its lag behind the clock [s], as last logged by the server."""
         told = re.findall(r"simulation time (\d+) s, ([\d.]+) s behind", self.log("server"))
         return tuple(map(float, told[-1])) if told else (0.0, 0.0)
 
     def end(self, role):
-        """The same; its JSON."""
+        """Stops a program; returns its JSON."""
         self.stop(role)
         return json.loads((self.folder / f"{role}.out").read_text())
 
@@ -175,7 +175,7 @@ IN_NAMESPACE = ["unshare", *([] if os.geteuid() == 0 else ["--user", "--map-root
 
 
 def on_file_system(options, folder):
-    """Command prefix that runs what follows with a small tmpfs on `folder`; skips where that is not allowed."""
+    """Command prefix that runs a command with a small tmpfs on `folder`; skips where that is not allowed."""
     mount = f'mount -t tmpfs -o {options} tmpfs "$1" && shift && exec "$@"'
     prefix = [*IN_NAMESPACE, mount, "sh", str(folder)]
     tried = subprocess.run([*prefix, "true"], capture_output=True, text=True)
@@ -186,7 +186,7 @@ def on_file_system(options, folder):
 
 def read_picture(path):
     """Pixels of a picture as an array (height, width, channels)."""
-    import numpy  # which takes longer than most tests that read none
+    import numpy  # takes longer than most tests that read no picture
     from PIL import Image
     with Image.open(path) as picture:
         return numpy.asarray(picture.convert("RGB"))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""eti-anatomy from volume to surfaces, as a person runs it."""
+"""eti-anatomy from volume to surfaces, as run by a person."""
 
 import gzip
 import json
@@ -36,7 +36,7 @@ class Anatomy(support.Case):
         with Image.open(self.folder / "labels.png") as picture:
             self.assertEqual(picture.size, (1000, 1000))
             self.assertGreater(len(picture.getcolors(1 << 20)), 500)
-        # The landmarks that were written are landmarks that can be given.
+        # Written landmarks can be read as input.
         again = self.anatomy("segment", ct, "--out", self.folder / "again.nrrd", "--landmarks",
                              self.folder / "labels-landmarks.mrk.json", "--json")
         self.assertEqual(again.returncode, 0, again.stderr)
@@ -47,7 +47,7 @@ class Anatomy(support.Case):
             size = (self.folder / "surfaces" / f"{surface['name']}.stl").stat().st_size
             self.assertEqual(size, 84 + 50 * surface["triangles"])
 
-        # Without a mandible there is nothing to hang a tongue on: surfaces, and no model.
+        # Without a mandible the tongue has no attachment: surfaces, and no model.
         self.relabel(labels, MANDIBLE, BONE)
         model = self.folder / "model.h5"
         done = self.anatomy("build", labels, "--out", model, "--json")
@@ -58,8 +58,8 @@ class Anatomy(support.Case):
         self.assertFalse(model.exists())
         self.assertTrue((self.folder / "model-surfaces" / "skin.stl").exists())
 
-    def test_how_the_patient_lay_is_found_and_said(self):
-        spacing = 2.2  # [mm], too coarse for organs, which are not asked for here
+    def test_patient_orientation_is_detected_and_reported(self):
+        spacing = 2.2  # [mm], too coarse for organs, which this test does not need
         ct = self.phantom("ct.nrrd", spacing)
         header, voxels = ct.read_bytes().split(b"\n\n", 1)
         out = self.folder / "labels.nrrd"
@@ -72,21 +72,21 @@ class Anatomy(support.Case):
                                         else line for line in header.split(b"\n")) + b"\n\n" + voxels)
             return file
 
-        # By 30 degrees about left-right: found, and nothing to be said against it.
+        # Rotated by 30 degrees about left-right: found, without a warning.
         c, s = 0.8660254, 0.5
         done = self.anatomy("segment", turned("nod.nrrd", (1, 0, 0), (0, c, s), (0, -s, c)), "--out", out, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         result = json.loads(done.stdout)
         self.assertAlmostEqual(result["turn_deg"], 30, delta=4)
         self.assertEqual(result["contradictions"], [])
-        # Upside down, by a file that says so wrongly: labels, doubt, and a status of its own.
+        # Upside down, because the file states a wrong orientation: labels, a warning, and an exit status of its own.
         done = self.anatomy("segment", turned("down.nrrd", (1, 0, 0), (0, -1, 0), (0, 0, -1)), "--out", out, "--json")
         self.assertEqual(done.returncode, 4, done.stderr)
         self.assertIn("doubtful: the head is turned by 1", done.stderr)
         self.assertIn("Remedy", done.stderr)
         self.assertTrue(out.exists())
         self.assertEqual(len(json.loads(done.stdout)["contradictions"]), 1)
-        # Noise is no head.
+        # Noise is not a head.
         random = numpy.random.default_rng(1)
         sizes = [int(n) for n in header.split(b"sizes: ", 1)[1].split(b"\n", 1)[0].split()]
         noise = random.normal(0, 500, sizes).astype("<i2")
@@ -97,14 +97,14 @@ class Anatomy(support.Case):
 
     @staticmethod
     def relabel(file, old, new):
-        """In a volume of labels as eti-anatomy writes it: a header, an empty line, zipped bytes."""
+        """Changes a volume of labels in eti-anatomy's format: a header, an empty line, zipped bytes."""
         header, packed = file.read_bytes().split(b"\n\n", 1)
         voxels = numpy.frombuffer(gzip.decompress(packed), numpy.uint8).copy()
         assert (voxels == old).any()
         voxels[voxels == old] = new
         file.write_bytes(header + b"\n\n" + gzip.compress(voxels.tobytes()))
 
-    def test_a_built_model_is_what_the_server_builds(self):
+    def test_built_model_equals_server_model(self):
         coarse = "patient: {weight_kg: 2.5}\nphysics: {spacing_mm: 3, fine_spacing_mm: 1.5}\n"
         whole = self.folder / "whole.yaml"
         whole.write_text(coarse)
@@ -127,7 +127,7 @@ class Anatomy(support.Case):
             hashes.add(json.loads(done.stdout)["state_hash"])
         self.assertEqual(len(hashes), 1, "the same steps of the same patient end in different states")
 
-    def test_a_newborn_cut_from_a_noisy_ct_is_intubated(self):
+    def test_newborn_segmented_from_noisy_ct_is_intubated(self):
         ct = self.phantom(spacing=0.6)
         done = self.anatomy("segment", ct, "--out", self.folder / "labels.nrrd")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -145,7 +145,7 @@ tube: {inner_diameter_mm: 3.0, grip_from_tip_mm: 100, curve_radius_mm: 70, young
         self.assertTrue(result["success"], result["reason"])
         self.assertGreater(result["parameters"]["glottic_opening_percent"]["max"], 25)
 
-    def test_what_makes_no_model_is_said_and_nothing_is_left(self):
+    def test_invalid_model_input_is_explained_without_output(self):
         (self.folder / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         before = sorted(self.folder.iterdir())
         out = self.folder / "model.h5"
@@ -159,7 +159,7 @@ tube: {inner_diameter_mm: 3.0, grip_from_tip_mm: 100, curve_radius_mm: 70, young
         self.assert_refused(self.anatomy("check", self.folder / "open.obj"), "open.obj")
         self.assertEqual(sorted(self.folder.iterdir()), before)
 
-    def test_damaged_files_are_refused_and_nothing_is_written(self):
+    def test_damaged_files_are_refused_without_output(self):
         ct = self.phantom()
         cut = self.folder / "cut.nii.gz"
         cut.write_bytes(ct.read_bytes()[:5000])

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What a person can get wrong is refused with file, finding and remedy, before anything starts."""
+"""Mistakes of a person are rejected with file, finding and remedy, before anything starts."""
 
 import os
 import re
@@ -8,9 +8,9 @@ import unittest
 
 import support
 
-TERM = support.ROOT / "deploy/scenarios/term.yaml"
-EXPERT = support.ROOT / "deploy/operators/expert.yaml"
-SECONDS_TO_REFUSE = 30  # generous for a sanitized build on a busy machine; a hang would last for ever
+TERM = support.ROOT / "deploy/data/scenarios/term.yaml"
+EXPERT = support.ROOT / "deploy/data/operators/expert.yaml"
+SECONDS_TO_REFUSE = 30  # generous for a sanitized build on a busy machine; a hang would never end
 
 HOSTILE = {
     "unclosed": "patient: {weight_kg: 3.5",
@@ -20,7 +20,7 @@ HOSTILE = {
     "two_documents": "---\n{}\n---\n{}\n",
     "not_text": b"\x00\x01\xff\xfe\x80" * 100,
     "deep": "[" * 20000,
-    # Nine levels of nine references each: 9^9 nodes if they were copied out.
+    # Nine levels of nine references each: 9^9 nodes if they were expanded.
     "alias_bomb": "a0: &a0 [x,x,x,x,x,x,x,x,x]\n" + "".join(
         f"a{i}: &a{i} [{','.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 10)),
     "merge_with_itself": "patient: &p\n  <<: *p\n",
@@ -52,7 +52,7 @@ class Scenario(support.Case):
         done = self.serve(TERM)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def test_missing_scenario_names_what_there_is(self):
+    def test_missing_scenario_lists_available_ones(self):
         self.assert_refused(self.serve("no_such_scenario"), "no_such_scenario", "term")
 
     def test_missing_file_is_named(self):
@@ -61,28 +61,28 @@ class Scenario(support.Case):
     def test_folder_as_scenario_is_refused(self):
         self.assert_refused(self.serve(self.folder), self.folder)
 
-    def test_a_model_that_is_not_there_is_named_with_scenario_line_and_key(self):
+    def test_missing_model_error_names_scenario_line_and_key(self):
         self.refused("seed: 1\npatient:\n  model: absent.h5\n", ":3", "patient.model", "absent.h5")
 
-    def test_a_file_that_is_no_model_is_named_with_its_scenario(self):
+    def test_invalid_model_error_names_file_and_scenario(self):
         (self.folder / "text.h5").write_text("no model, but longer than a header would be\n" * 100)
         scenario = self.folder / "with_text.yaml"
         scenario.write_text("name: with_text\npatient: {model: text.h5}\n")
         self.assert_refused(self.serve(scenario), self.folder / "text.h5", "with_text", "patient.model")
 
-    def test_names_do_not_command_the_terminal(self):
+    def test_control_characters_in_names_are_escaped(self):
         file = self.folder / "\x1b[31m\x07red.yaml"
         file.write_text("\"\\e]0;title\\a\": 1\n")
         done = self.serve(file)
         self.assert_refused(done, "\\x1b[31m\\x07red.yaml", "\\x1b]0;title\\x07")
-        # The log's own colours are for terminals alone.
+        # The log uses colours on terminals only.
         self.assertNotRegex(done.stderr, "[\x00-\x08\x0b-\x1f\x7f]")
 
     def test_empty_scenario_is_refused(self):
         self.refused("")
 
     def test_truncated_scenario_is_refused_or_complete(self):
-        # Cut anywhere, a file is refused, unless what is left happens to be a whole scenario. Never a crash.
+        # Truncated anywhere, a file is rejected, unless the rest is a complete scenario. It never crashes a program.
         text = TERM.read_text()
         refusals = 0
         for part in range(1, 8):
@@ -116,10 +116,10 @@ class Scenario(support.Case):
     def test_unit_in_the_value_is_refused(self):
         self.refused(self.changed("weight_kg", "3.5 kg"), "weight_kg")
 
-    def test_value_out_of_range_says_the_range(self):
+    def test_out_of_range_error_states_the_range(self):
         self.refused(self.changed("weight_kg", "35"), "weight_kg", "35", "0.5", "4.5")
 
-    def test_values_that_are_not_finite_are_refused(self):
+    def test_non_finite_values_are_refused(self):
         for value in (".nan", ".inf", "-.inf", "1e400"):
             with self.subTest(value):
                 self.refused(self.changed("weight_kg", value), "weight_kg")
@@ -134,7 +134,7 @@ class Operator(support.Case):
         done = self.perform(EXPERT)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def test_missing_operator_names_what_there_is(self):
+    def test_missing_operator_lists_available_ones(self):
         self.assert_refused(self.perform("nobody"), "nobody", "expert", "novice")
 
     def test_hostile_operators_are_refused(self):
@@ -151,7 +151,7 @@ class Operator(support.Case):
 
 
 class NoFiles(support.Case):
-    """A pipe would keep its reader waiting for ever, a device never end."""
+    """A pipe would block its reader for ever, a device would never end."""
 
     READERS = (
         ("eti-server", "--no-dds", "--fast", "--steps", 2, "--scenario", "{}"),
@@ -173,7 +173,7 @@ class NoFiles(support.Case):
         ("eti-client", "--domain", support.DOMAIN, "--offscreen", "out", "--hands", "--play", "{}"),
     )
 
-    def test_what_is_no_file_is_refused_in_good_time(self):
+    def test_non_regular_files_are_refused_promptly(self):
         pipe, folder, absent = self.folder / "pipe", self.folder / "folder", self.folder / "absent"
         os.mkfifo(pipe)
         folder.mkdir()
@@ -187,7 +187,7 @@ class NoFiles(support.Case):
                     self.assert_refused(done, given)
                     self.assertNotIn("--repair", done.stderr, "no repair helps what is no file")
 
-    def test_a_pipe_under_a_files_name_is_left_alone(self):
+    def test_existing_pipe_is_not_overwritten(self):
         if not (support.BIN / "eti-parts").exists():
             self.skipTest("built without devices")
         part = self.folder / "laryngoscope_miller_0.stl"  # the first that it makes
@@ -198,7 +198,7 @@ class NoFiles(support.Case):
 
 
 class CommandLine(support.Case):
-    # Each program with what it cannot do without.
+    # Each program with its required arguments.
     PROGRAMS = {
         "eti-server": (),
         "eti-haptics": ("--device", "simulated"),
@@ -220,7 +220,7 @@ class CommandLine(support.Case):
             with self.subTest(program):
                 self.assert_refused(support.run(program, *needed, "--no-such-option"), "no-such-option")
 
-    def test_loop_of_nothing_is_refused(self):
+    def test_loop_without_operator_or_replay_is_refused(self):
         self.assert_refused(support.run("eti-server", "--loop"), "--loop", "--operator", "--replay")
 
     def test_domain_out_of_range_is_refused(self):
@@ -229,7 +229,7 @@ class CommandLine(support.Case):
                 with self.subTest(program):
                     self.assert_refused(support.run(program, *needed, "--domain", 300), "domain", "300", "232")
 
-    def test_unknown_device_names_those_there_are(self):
+    def test_unknown_device_lists_available_ones(self):
         for program, there_is in (("eti-haptics", "simulated"), ("eti-tracker", "scripted")):
             with self.subTest(program):
                 self.assert_refused(support.run(program, "--device", "abacus"), "abacus", there_is)
@@ -244,7 +244,7 @@ class Storage(support.Case):
         record = self.folder / "absent" / "record.eti.h5"
         self.assert_refused(self.serve(record, steps=2), record)
 
-    def test_folder_that_cannot_be_written_is_refused(self):
+    def test_unwritable_output_folder_is_refused(self):
         # /proc refuses new files to everyone, root included.
         self.assert_refused(self.serve("/proc/record.eti.h5", steps=2), "/proc/record.eti.h5")
 
@@ -274,7 +274,7 @@ class Storage(support.Case):
         self.assert_refused(self.serve(record, steps=2), record, "exists already")
         self.assertEqual(record.read_text(), "earlier")
 
-    def test_review_of_files_that_are_no_sessions_is_refused(self):
+    def test_review_refuses_non_session_files(self):
         absent = self.folder / "absent.eti.h5"
         empty = self.folder / "empty.eti.h5"
         empty.touch()

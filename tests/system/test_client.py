@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What a client shows of a running session."""
+"""Pictures of a client in a running session."""
 
 import json
 import re

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The whole path of deploy/demo.sh: six processes over the bus, and what they leave behind."""
+"""A complete run of deploy/demo.sh: six processes over the bus, and their results."""
 
 import json
 import os
@@ -15,7 +15,7 @@ import numpy
 import support
 import session_run
 
-RESULT = support.BIN.parent / "demo-run.json"  # left by the first case for the others
+RESULT = support.BIN.parent / "demo-run.json"  # written by the first case for the others
 
 
 def demo_folder():
@@ -44,15 +44,15 @@ class Demo(support.Case):
         for role in ("haptics", "tracker"):
             self.assertIn("calibration of", (folder.parent / "logs" / f"{role}.log").read_text())
 
-    def test_demo_summary_fills_every_parameter(self):
+    def test_demo_summary_contains_every_parameter(self):
         done = support.run("eti-review", "summary", demo_folder() / "session.eti.h5", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         summary = json.loads(done.stdout)
         self.assertTrue(summary["success"], summary["reason"])
         self.assert_parameters(summary["parameters"])
 
-    def test_demo_session_file_shows_who_took_part(self):
-        # Hands and eye are in other processes, so what was latched of them came over the bus.
+    def test_demo_session_file_records_all_participants(self):
+        # Hands and eye are in other processes, so their latched values arrived over the bus.
         with h5py.File(demo_folder() / "session.eti.h5", "r") as file:
             self.assertLessEqual({"meta", "inputs", "tools", "skeleton", "deformation", "metrics", "events", "scene"},
                                  set(file))
@@ -60,7 +60,7 @@ class Demo(support.Case):
         # Steps of 1/180 s without a gap; times are whole nanoseconds.
         steps = numpy.diff(inputs["time_ns"].astype(numpy.int64))
         self.assertLessEqual(numpy.abs(steps - 1e9 / 180).max(), 1)
-        # Each tool comes from outside the mouth and goes some 7 cm down to the glottis.
+        # Each tool comes from outside the mouth and moves some 7 cm down to the glottis.
         for name in ("laryngoscope_pose", "tube_grip_pose"):
             self.assertGreater(numpy.ptp(inputs[name][:, :3], axis=0).max(), 0.02, name)
         self.assertTrue(numpy.isfinite(inputs["eye_pose"]).all(axis=1).any(), "the trainee's eye was never seen")
@@ -75,7 +75,7 @@ class Demo(support.Case):
                 for file, picture in zip(files, pictures):
                     red, green, blue = (picture[..., k].astype(numpy.uint32) for k in range(3))
                     colours[file.name] = len(numpy.unique(red << 16 | green << 8 | blue))
-                # Until it is in the mouth the lens on the blade looks into a dark room.
+                # Until it is in the mouth, the blade's camera sees a dark room.
                 lens = [count for name, count in colours.items() if name.startswith("laryngoscope")]
                 self.assertGreater(max(lens, default=501), 500)
                 for name, count in colours.items():
@@ -83,7 +83,7 @@ class Demo(support.Case):
                         self.assertGreater(count, 500, f"{name}: a lit scene has many shades; an empty one has a few")
                 self.assertTrue(any((a != pictures[0]).any() for a in pictures[1:] if a.shape == pictures[0].shape))
 
-    def test_ctrl_c_ends_the_demo_in_order(self):
+    def test_ctrl_c_ends_the_demo_cleanly(self):
         process = subprocess.Popen([support.ROOT / "deploy/session_run.py", "--bin", support.BIN, "--out", self.folder,
                                     "--domain", str(support.DOMAIN)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""eti-doctor on this machine with and without a session, and where one thing is broken."""
+"""eti-doctor on this machine with and without a session, and with one fault at a time."""
 
 import json
 import math
@@ -12,7 +12,7 @@ import support
 
 
 def in_empty_network():
-    """Command prefix of a network namespace, in which even loopback is down; skips where that is not allowed."""
+    """Command prefix of a network namespace in which even loopback is down; skips where that is not allowed."""
     prefix = ["unshare", *([] if os.geteuid() == 0 else ["--user", "--map-root-user"]), "--net"]
     tried = subprocess.run([*prefix, "true"], capture_output=True, text=True)
     if tried.returncode != 0:
@@ -63,7 +63,7 @@ class Doctor(support.Programs):
         for topic in report["topics"]:
             self.assertGreater(topic["arrived"], 50, topic)
 
-    def test_no_session_names_what_to_do(self):
+    def test_missing_session_report_contains_remedy(self):
         report = self.doctor()
         self.assertFalse(report["server"])
         found = self.finding(report, "session", support.SESSION)
@@ -71,38 +71,38 @@ class Doctor(support.Programs):
         for words in ("eti-server", "--network", "--peer", "--session"):
             self.assertIn(words, found["remedy"])
 
-    def test_text_says_what_to_do(self):
+    def test_text_output_contains_remedy(self):
         done = support.run("eti-doctor", "--duration", 1, *self.bus)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("to do: start eti-server", done.stdout)
         self.assertIn("to mend.", done.stdout.splitlines()[-1])
 
-    def test_usage_is_another_status(self):
+    def test_usage_error_has_its_own_exit_status(self):
         self.assertEqual(support.run("eti-doctor", "--duration", "never").returncode, 2)
 
-    def test_network_that_is_down_is_named(self):
+    def test_network_down_is_reported(self):
         report = self.doctor(wrapper=in_empty_network())
         self.assertIn("ip link set lo up", self.finding(report, "network", "loopback")["remedy"])
         self.assertEqual(self.finding(report, "session", support.SESSION)["state"], "mend")
 
-    def test_network_without_others_is_named(self):
+    def test_network_without_peers_is_reported(self):
         up = [*in_empty_network(), "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
         report = self.doctor("--network", wrapper=up)
         self.assertEqual(self.finding(report, "network", "lo")["state"], "well")
         self.assertIn("leave --network", self.finding(report, "network", "others")["remedy"])
 
-    def test_tiny_shared_memory_is_named(self):
+    def test_small_shared_memory_is_reported(self):
         report = self.doctor(wrapper=support.on_file_system("size=1m", "/dev/shm"))
         self.assertIn("--shm-size", self.finding(report, "memory", "/dev/shm")["remedy"])
 
-    def test_no_real_time_rights_are_named(self):
+    def test_missing_real_time_rights_are_reported(self):
         if os.geteuid() != 0:
             self.skipTest("taking rights away needs root")
         report = self.doctor(wrapper=["setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice", "prlimit",
                                       "--rtprio=0"])
         self.assertIn("rtprio 80", self.finding(report, "rights", "real time")["remedy"])
 
-    def test_broken_identity_is_named(self):
+    def test_broken_identity_is_reported(self):
         (self.folder / "identity").mkdir()
         report = self.doctor("--identity", self.folder / "identity")
         texts = [finding["text"] for finding in report["findings"] if finding["area"] == "security"]

@@ -13,14 +13,14 @@ import numpy
 import support
 from virtual_display import VirtualDisplay
 
-LIST = support.ROOT / "deploy/hands/term.yaml"
+LIST = support.ROOT / "deploy/data/hands/term.yaml"
 SECONDS_TO_PLAY = 240
 
 
 class Hands(support.Programs):
     def setUp(self):
         super().setUp()
-        # The tutorial's mark is a file of the user's settings.
+        # The tutorial's completion mark is a file in the user's settings.
         before = os.environ.get("XDG_CONFIG_HOME")
         os.environ["XDG_CONFIG_HOME"] = str(self.folder / "settings")
         self.addCleanup(os.environ.__setitem__ if before else os.environ.pop,
@@ -30,7 +30,7 @@ class Hands(support.Programs):
         self.stop("server")
         return h5py.File(self.record, "r")
 
-    def test_mouse_and_keys_intubate_and_the_tutorial_ends(self):
+    def test_mouse_and_keys_intubate_and_complete_tutorial(self):
         self.start_server("--finish-after-attempt", "--json")
         client = self.start("client", "eti-client", "--offscreen", self.folder / "pictures", "--no-video", "--every", 0,
                             "--hands", "--play", LIST, "--tutorial", "on", "--json")
@@ -45,7 +45,7 @@ class Hands(support.Programs):
 
     @staticmethod
     def held(poses):
-        """From where hands hold the tool: before, it is parked."""
+        """Rows from the time when hands hold the tool; before that, it is parked."""
         return poses[numpy.flatnonzero(numpy.abs(poses[:, :3] - poses[0, :3]).max(axis=1) > 1e-6)[0]:]
 
     def drag(self, button, x, y, by_x, by_y):
@@ -59,7 +59,7 @@ class Hands(support.Programs):
         do("mouseup", button)
         time.sleep(0.5)
 
-    def test_a_mouse_in_the_window_moves_first_the_blade_then_the_tube(self):
+    def test_mouse_in_window_moves_blade_then_tube(self):
         self.display = VirtualDisplay()
         self.addCleanup(self.display.close)
         self.start_server()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A trainee in a headset, which a script wears: what the head does, the server measures."""
+"""A trainee in a scripted headset: the server measures from the head's pose."""
 
 import json
 import os
@@ -15,8 +15,8 @@ STEPS_TO_THE_VIEW = 1800   # the expert looks at the glottis from the eighth sec
 
 class Headset(support.Programs):
     def glottis_seen(self, aside):
-        """Best share [%] seen as the expert lays the glottis open, the right eye so far [m] beside the line of sight; and what the
-        headset's runtime noticed."""
+        """Best visible share [%] while the expert exposes the glottis, with the right eye that far [m] beside the line
+        of sight; and the report of the headset's runtime."""
         worn = self.folder / f"worn-{aside}"
         worn.mkdir()
         (worn / "script.json").write_text(json.dumps({
@@ -36,12 +36,12 @@ class Headset(support.Programs):
         result = json.loads((self.folder / "server.out").read_text())
         return result["parameters"]["glottic_opening_percent"]["max"]
 
-    def test_view_is_measured_from_the_eye_that_the_head_moves(self):
-        # Before the mouth, on the line along which the glottis is best seen; then a hand's breadth and more beside.
+    def test_view_is_measured_from_head_tracked_eye(self):
+        # In front of the mouth, on the line of the best view; then a hand's breadth and more beside it.
         self.assertGreater(self.glottis_seen(0.0), 50)
         self.assertLess(self.glottis_seen(0.2), 5)
 
-    def test_without_a_runtime_it_says_what_to_install(self):
+    def test_missing_runtime_error_says_what_to_install(self):
         done = support.run("eti-client", "--view", "hmd", *self.bus, env={**os.environ, "XR_RUNTIME_JSON": "/nowhere.json"})
         self.assert_refused(done, "--view hmd", "Install", "XR_RUNTIME_JSON")
 

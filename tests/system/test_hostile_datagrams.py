@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Datagrams that nobody sound sends, against the real programs over loopback UDP."""
+"""Malformed datagrams against the real programs over loopback UDP."""
 
 import socket
 import unittest
@@ -20,7 +20,7 @@ class HostileDatagrams(support.Case):
             self.skipTest("reading the loopback interface wants root or CAP_NET_RAW")
         self.session = hostile.Session(self.folder, support.DOMAIN, support.SESSION)
         self.addCleanup(self.session.end)
-        # A program that has hardly begun does not take Ctrl-C for a wish to end in order.
+        # Ctrl-C does not end a program in order before it has installed its handler.
         self.session.wait_for("observer", "scene is complete")
 
     def assert_lives(self):
@@ -32,7 +32,7 @@ class HostileDatagrams(support.Case):
         for role, process in self.session.running.items():
             self.assertEqual(process.returncode, 0, f"{role}: {self.session.log(role)[-800:]}")
 
-    def test_the_one_datagram_that_ends_the_library(self):
+    def test_datagram_that_crashes_the_library(self):
         self.session.wait_for("haptics", "device 'simulated'")
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for port in hostile.ports_of(support.DOMAIN):
@@ -40,11 +40,11 @@ class HostileDatagrams(support.Case):
                     try:
                         sender.sendto(hostile.DEADLY, ("127.0.0.1", port))
                     except OSError:
-                        pass  # nobody listens there
+                        pass  # no listener there
         self.session.wait_for("server", "is not sound RTPS was dropped")
         self.assert_lives()
 
-    def test_heartbeats_that_the_library_would_count_to(self):
+    def test_heartbeats_with_huge_sequence_numbers(self):
         self.session.wait_for("haptics", "device 'simulated'")
         heartbeats = hostile.far_heartbeats(self.tap.capture(3000, 3))
         self.assertGreater(len(heartbeats), 10)
@@ -56,7 +56,7 @@ class HostileDatagrams(support.Case):
             self.session.wait_for(role, "more samples than it can have written was dropped")
         self.assert_lives()
 
-    def test_mutants_of_the_sessions_traffic(self):
+    def test_mutated_session_traffic(self):
         sent = hostile.attack(self.session, self.tap, MUTANTS, seed=18)
         self.assertEqual(sent, MUTANTS, "a program has ended")
         self.assert_lives()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""kill -9 of any one process of a session: the others go on or end cleanly, and the recording can be read."""
+"""kill -9 of any one process of a session: the others continue or end cleanly, and the recording is readable."""
 
 import signal
 import subprocess
@@ -13,7 +13,7 @@ import support
 import session_run
 
 KILL_AFTER = 2.0      # [s] of simulation time
-GO_ON_FOR = 2.0       # [s] of simulation time that must still pass when another process than the server was killed
+GO_ON_FOR = 2.0       # [s] of simulation time that must still pass after killing a process other than the server
 PATIENCE = 240.0      # [s] for either on a busy machine
 
 
@@ -67,7 +67,7 @@ class Kill(support.Case):
         self.assert_readable()
 
     def assert_told(self, tool):
-        """Log, clients' lines and record say that its device is silent."""
+        """Log, clients' lines and record report that its device is silent."""
         words = f"the {tool}'s device"
         self.assertIn(f"{words} has been silent", self.session.server.log.read_text(errors="replace"))
         self.assertIn(f"{words} is silent", self.session.programs["controller"].log.read_text(errors="replace"))
@@ -95,14 +95,14 @@ class Kill(support.Case):
 
     def test_without_server(self):
         self.kill("server")
-        # The others may end or wait for another server; either way they say that theirs is gone.
+        # The others may end or wait for another server; either way they report the loss of theirs.
         deadline = time.monotonic() + PATIENCE
         for role, program in self.others.items():
             while not any("server" in line.lower() for line in program.last_words()):
                 self.assertLess(time.monotonic(), deadline, f"{role} says nothing of the server\n{self.explain()}")
                 self.assertIn(program.exit_code(), (None, 0), self.explain())
                 time.sleep(0.02)
-        for program in self.others.values():  # else the session gives them time to end by themselves
+        for program in self.others.values():  # otherwise the session gives them time to end by themselves
             program.send(signal.SIGTERM)
         self.assert_ended_cleanly()
         self.assert_readable()

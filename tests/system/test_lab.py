@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The bus between hosts: over links that delay and lose, between two networks, with discovery servers; and lab.sh."""
+"""The bus between hosts: over links with delay and loss, between two networks, with discovery servers; and lab.sh."""
 
 import json
 import os
@@ -26,8 +26,8 @@ DELAY = 20              # [ms]
 QUIET_TRIES = 3
 DURATION = 3            # [s] of a session with all clients in it
 PATIENCE = 240          # [s] for a lab on a busy machine
-# Everything of a lab runs inside; afterwards all must be as it was before: processes, interfaces, shared memory, and
-# where namespaces with names would be.
+# All of a lab runs inside; afterwards everything must be as before: processes, interfaces, shared memory, and the
+# folder of named namespaces.
 ALONE = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc", "--net", "--mount", "sh", "-c"]
 REMAINS = """
 mount -t tmpfs tmpfs /dev/shm && mount -t tmpfs tmpfs /run && mkdir /run/netns && ip link set lo up
@@ -56,9 +56,9 @@ class Links(support.Case):
         self.assertEqual(len(times), JOINS, "the server ended")
         said = [round(at.get("scene", float("nan"))) for at in times]
         self.assertTrue(all(at["joined"] for at in times), f"scene after {said} ms")
-        # A scene of 1600 datagrams: its rounds of repair are about 65 ms each, and about five are needed at 5 %
-        # (1600 * 0.05^n < 1 for n > 2.5, and requests get lost, too), 0.4 s with the link's delay. A busy machine holds up
-        # some of them; where rounds wait for a heartbeat of 3 s, as by the library's own settings, all take longer.
+        # A scene of 1600 datagrams. Its rounds of repair are about 65 ms each, and about five are needed at 5 % (1600 *
+        # 0.05^n < 1 for n > 2.5, and requests get lost, too), 0.4 s with the link's delay. A busy machine delays some
+        # of them; if rounds waited for a heartbeat of 3 s, the library's default, all would take longer.
         self.assertLess(min(said), 3000, said)
 
     def test_whole_scene_arrives_with_one_percent_lost(self):
@@ -80,19 +80,19 @@ class Links(support.Case):
             drawn["dropped_by_hosts"] = sum(host.dropped() for host in place.hosts.values())
             return drawn
 
-    def test_chunks_stand_alone(self):
+    def test_lost_chunks_are_independent(self):
         """The share of chunks that arrive is that of frames, not of whole states or scenes of fragments."""
         loss = 0.05
         drawn = self.follow(100 * loss)
         expected = (1 - loss) * drawn["chunks"]
         scatter = (drawn["chunks"] * loss * (1 - loss)) ** 0.5
         self.assertAlmostEqual(drawn["chunks_arrived"], expected, delta=5 * scatter, msg=drawn)
-        # What did not come stays as it was until it is sent again, at the latest after 45 states.
+        # Missing parts keep their state until they are resent, after at most 45 states.
         self.assertLess(drawn["largest_error_mm"]["p99"], 3.0, drawn)
         self.assertGreater(drawn["largest_error_mm"]["max"], 0.0, "nothing was lost that moved: the test shows nothing")
 
-    def test_nothing_lost_nothing_wrong(self):
-        # A machine too busy to empty its sockets loses datagrams on a perfect link; its kernel counts them.
+    def test_lossless_link_shows_no_error(self):
+        # A machine too busy to drain its sockets loses datagrams on a perfect link; its kernel counts them.
         for _ in range(QUIET_TRIES):
             drawn = self.follow(0)
             if drawn["dropped_by_hosts"] == 0 or ("error" not in drawn and drawn["chunks_arrived"] == drawn["chunks"]):
@@ -100,7 +100,7 @@ class Links(support.Case):
         self.assertEqual(drawn["chunks_arrived"], drawn["chunks"], drawn)
         self.assertEqual(drawn["largest_error_mm"]["max"], 0.0, drawn)
 
-    def test_two_networks_by_peers(self):
+    def test_two_networks_connect_by_peers(self):
         with runs.Place(support.BIN, ("server", "router", "client"), None, runs.NETWORK) as place:
             server, router, client = place.hosts.values()
             media = [runs.hosts.Medium(support.BIN, pair, subnet=f"10.77.{number}", interface=f"eth{number}")
@@ -115,7 +115,7 @@ class Links(support.Case):
             for medium in media:
                 medium.close()
 
-    def test_a_discovery_server_takes_over(self):
+    def test_second_discovery_server_takes_over(self):
         with runs.Place(support.BIN, ("server", "client", "first", "second"), {"multicast": False}) as place:
             helpers = []
             for number, name in enumerate(("first", "second")):
@@ -147,11 +147,11 @@ class Lab(support.Case):
         return json.loads(done.stdout), done.stderr
 
     def assert_saw_the_session(self, said):
-        """States came, the last one too. How many of them were drawn is a matter of the machine's speed."""
+        """States arrived, including the last one. How many were drawn depends on the machine's speed."""
         self.assertGreaterEqual(said["simulation_time_s"], DURATION, said)
         self.assertGreater(said["state_age_ms"]["max"], 0.0, said)
 
-    def test_everybody_sees_the_session(self):
+    def test_every_client_sees_the_session(self):
         seen, _ = self.run_lab("--duration", DURATION, "--loss", 1, "--delay", DELAY, "--no-multicast")
         for role in ("trainee", "observer", "observer-2"):
             said = seen["programs"][role]
@@ -177,13 +177,13 @@ class Lab(support.Case):
         self.assertEqual(done.returncode, 0, f"{done.stdout}\n{done.stderr}")
         self.assertTrue(list(self.folder.glob("lab-*/logs/server.log")), "there was no lab")
 
-    def test_nothing_remains_at_its_end(self):
+    def test_nothing_remains_at_end(self):
         self.assert_nothing_remains(" ".join(self.lab("--duration", 2)) + " >/dev/null 2>&1")
 
     def ended_by(self, name):
-        """Once the server runs, the signal comes."""
+        """Sends the signal once the server runs."""
         running = f"until grep -qs 'simulation time' {self.folder}/lab-*/logs/server.log; do sleep 0.1; done"
-        # Ctrl-C does not reach what a shell without job control puts into the background: hence env.
+        # A shell without job control ignores SIGINT for background processes: hence env.
         return (f"env --default-signal=INT {' '.join(self.lab('--duration', 60))} >/dev/null 2>&1 & lab=$!; {running}; "
                 f"kill -s {name} $lab; wait $lab 2>/dev/null")
 
@@ -196,8 +196,8 @@ class Lab(support.Case):
     def test_nothing_remains_after_kill_9(self):
         self.assert_nothing_remains(self.ended_by("KILL"))
 
-    def test_over_ssh(self):
-        """With a stand-in of ssh, whose machines are namespaces."""
+    def test_runs_over_ssh(self):
+        """With a stand-in for ssh, whose machines are namespaces."""
         machines = {"rack1": "server", "rack2": "haptics", "rack3": "observer"}
         with runs.Place(support.BIN, tuple(machines), {}) as place:
             stand_in = self.folder / "bin/ssh"
@@ -216,8 +216,8 @@ class Lab(support.Case):
             self.assertGreater(seen["programs"]["haptics"]["cycles"], 1000, said)
             self.assertEqual(list(Path(self.folder).glob("lab-*/session.eti.h5"))[0].stat().st_size > 10_000, True)
 
-    def test_over_ssh_killed(self):
-        """Whoever is killed leaves no program on the other machine."""
+    def test_kill_over_ssh_leaves_no_process(self):
+        """Killing any of the processes leaves no program on the other machine."""
         stand_in = self.folder / "bin/ssh"
         stand_in.parent.mkdir()
         stand_in.write_text("#!/bin/sh\nwhile [ \"$1\" = -o ]; do shift 2; done\nshift; exec sh -c \"$*\"\n")
@@ -250,7 +250,7 @@ class Refused(support.Case):
             self.assertIn(said, self.refused("--hosts", table, "--meet", "multicast"))
         self.assertIn("No such file", self.refused("--hosts", self.folder / "none", "--meet", "multicast"))
 
-    def test_options_that_contradict(self):
+    def test_contradictory_options_are_refused(self):
         self.assertIn("nobody would meet", self.refused("--no-multicast", "--meet", "multicast"))
         self.assertIn("real machines", self.refused("--hosts", self.folder, "--loss", 1))
         self.assertIn("no identity", self.refused("--security", "--meet", "discovery"))

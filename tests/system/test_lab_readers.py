@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A lab's own programs, in C with Cyclone DDS: what they read is what the server recorded, what they write is heard."""
+"""A lab's own programs, in C with Cyclone DDS: they read what the server recorded, and the server receives what they
+write."""
 
 import json
 import shutil
@@ -22,8 +23,8 @@ from vtk_state import State  # noqa: E402
 RECORDED_EVERY = 12  # steps; surfaces come every 6
 STEPS_PER_SECOND = 180
 
-# What the record leaves out: a frame that moved by less since it was last recorded (common/mesh/skinning.hpp), and
-# what its grid rounds (server/app/recorder.cpp).
+# Error of the record: a frame that moved by less since it was last recorded (common/mesh/skinning.hpp), and the
+# rounding of its grid (server/app/output/recorder.cpp).
 FRAME_SHIFT, FRAME_TURN = 0.02e-3, 0.05 * numpy.pi / 180  # [m], [rad]
 GRID_SHIFT, GRID_TURN = 0.5 * 2**-20, 4 * 0.5 * 2**-15
 # Floats of up to 0.3 m, summed over four frames.
@@ -38,7 +39,7 @@ def turned(rotation, points):
 
 
 class Record:
-    """Frames and surfaces of a session file, skinned as its documentation says."""
+    """Frames and surfaces of a session file, skinned as documented."""
 
     def __init__(self, path):
         with h5py.File(path, "r") as file:
@@ -54,11 +55,11 @@ class Record:
         centre, rotation = self.rest_centre.copy(), numpy.tile([1.0, 0, 0, 0], (len(self.rest_centre), 1))
         frame = self.moved["frame"][rows]
         for values, key in ((centre, "centre"), (rotation, "rotation")):
-            values[frame] = self.moved[key][rows]  # of several rows of a frame the last counts
+            values[frame] = self.moved[key][rows]  # the last of several rows of a frame counts
         return centre, rotation / numpy.linalg.norm(rotation, axis=1, keepdims=True)
 
     def skinned(self, name, time_ns):
-        """Vertices of a surface, and how far the record may be off at each [m]."""
+        """Vertices of a surface, and the maximum error of the record at each [m]."""
         centre, rotation = self.frames_at(time_ns)
         surface = self.surfaces[name]
         rest = surface["vertices"].astype(float)
@@ -92,20 +93,20 @@ class LabReaders(support.Programs):
 
     def one_that_lifts_and_stays(self):
         """The expert's script up to the lift, which is held until the server is stopped, however long reading takes."""
-        script = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
+        script = yaml.safe_load((support.ROOT / "deploy/data/operators/expert.yaml").read_text(encoding="utf-8"))
         stages = script["laryngoscope"]
         lift = next(number for number, stage in enumerate(stages) if stage["stage"] == "lift")
-        stay = [{"stage": "stay", "keep": True, "hold_s": 120}] * 3  # the most that a stage takes, beyond the test's limit
+        stay = [{"stage": "stay", "keep": True, "hold_s": 120}] * 3  # the maximum of a stage, beyond the test's limit
         script["laryngoscope"] = [*stages[:lift + 1], *stay]
         script["tube"] = script["tube"][:1]
         script["tube"][0] |= {"until": {"view_percent": 100}, "timeout_s": 120, "abort_on_timeout": False}
         file = self.folder / "lifts.yaml"
-        file.write_text(json.dumps(script))  # which is YAML, too
+        file.write_text(json.dumps(script))  # JSON is valid YAML
         return file
 
     def read_at_a_recorded_time(self):
-        """Every second state is one that the record has. Particles are compared with means, and a blade that stays moves
-        those by less than a tenth of the bound within six steps."""
+        """Every second state coincides with a recorded one. Particles are compared with means, and a blade at rest
+        moves those by less than a tenth of the bound within six steps."""
         for _ in range(20):
             counts = self.example("surface_reader", "--out", self.folder, "--seconds", "0.1")
             surfaces = State(self.folder / "surfaces.vtk")
@@ -113,7 +114,7 @@ class LabReaders(support.Programs):
                 return counts, surfaces, State(self.folder / "particles.vtk")
         return self.fail("no state at a recorded time in twenty")
 
-    def test_a_reader_in_c_gets_what_the_server_recorded(self):
+    def test_c_reader_receives_recorded_data(self):
         self.start_server("--operator", self.one_that_lifts_and_stays())
         self.wait_for("server", "simulation time 6 s", support.SECONDS_TO_START)  # the blade has lifted the tongue
         counts, surfaces, particles = self.read_at_a_recorded_time()
@@ -133,7 +134,7 @@ class LabReaders(support.Programs):
             begin = numpy.flatnonzero(own)[0]
             triangles = surfaces.triangles[surfaces.triangles[:, 0] >= begin][:len(surface["triangles"])] - begin
             numpy.testing.assert_array_equal(triangles, surface["triangles"])
-        # Else rest shapes would pass, too: the head is raised and the jaw open.
+        # Otherwise rest shapes would pass, too: the head is raised and the jaw open.
         self.assertGreater(moved_most, 10e-3)
         numpy.testing.assert_array_equal(
             surfaces.values["tissue"], numpy.concatenate([record.surfaces[name]["triangle_tissue"] for name in
@@ -141,8 +142,8 @@ class LabReaders(support.Programs):
         self.check_particles(record, particles)
 
     def check_particles(self, record, particles):
-        """The record has no particles, but frames that are means of known ones: the epiglottis is clusters over exactly
-        its particles, strips across a plate 2 mm thick (server/patient/newborn/build_particles.cpp)."""
+        """The record has no particles, but frames that are means of known ones: the epiglottis has clusters over
+        exactly its particles, strips across a plate 2 mm thick (server/patient/newborn/build/build_particles.cpp)."""
         kinds = particles.values["tissue"]
         for tissue in (0, 1, 2, 3):  # soft, tongue, epiglottis, larynx
             self.assertGreater((kinds == tissue).sum(), 100, tissue)
@@ -153,12 +154,12 @@ class LabReaders(support.Programs):
         centres = record.frames_at(particles.time_ns)[0]
         plate = particles.points[kinds == 2]
         for frame in frames:
-            # The plate is rolled, so that the middle of a strip lies off it, by less than its thickness.
+            # The plate is curved, so that a strip's centroid lies off it, by less than its thickness.
             self.assertLess(numpy.linalg.norm(plate - centres[frame], axis=1).min(), 2e-3)
-        # Else rest shapes would pass, too.
+        # Otherwise rest shapes would pass, too.
         self.assertGreater(numpy.linalg.norm((centres - record.rest_centre)[frames], axis=1).max(), 2e-3)
 
-    def test_a_writer_in_c_is_heard_and_answered(self):
+    def test_c_writer_is_received_and_acknowledged(self):
         self.start_server()
         at = (0.01, -0.15, 0.25)
         said, = self.example("tool_writer", "--at", *at, "--set", "table_angle", "-0.1")

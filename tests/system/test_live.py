@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""An instructor changes the patient of a running session by commands: answered, carried out smoothly, recorded."""
+"""An instructor changes the patient of a running session by commands: acknowledged, executed smoothly, recorded."""
 
 import json
 import re
@@ -17,7 +17,7 @@ from session_run import Pad
 STEP = 1 / 180  # [s]
 DEGREE = numpy.pi / 180
 
-# As docs/commands.md says: per second.
+# Per second, as in docs/commands.md.
 POSTURE_RATE = 0.17  # [rad/s]
 TONGUE_RATE = 0.1
 HEAD_RATE = 0.1
@@ -26,7 +26,7 @@ STIFFNESS_RATE = 1.0  # of the stiffness itself
 
 class Live(support.Programs):
     def wait_seconds(self, seconds):
-        """Of simulation time."""
+        """Waits for that much simulation time."""
         told = re.findall(r"simulation time (\d+) s", self.log("server"))
         self.wait_for("server", f"simulation time {int((told or [0])[-1]) + seconds} s", support.SECONDS_TO_START)
 
@@ -36,18 +36,18 @@ class Live(support.Programs):
                            "--json")
 
     def now(self, name):
-        """What a value that lives is, as clients hear it."""
+        """Value of a runtime parameter, as published to clients."""
         said = support.run("eti-controller", "--list", "--json", "--session", support.SESSION, "--domain", support.DOMAIN)
         self.assertEqual(said.returncode, 0, said.stderr)
         return next(row["now"] for row in json.loads(said.stdout)["live"] if row["name"] == name)
 
     def assert_ramped(self, values, wanted, most_per_second, relative=False):
-        """It begins as it was, ends as it was wanted, and changes by no more than its rate in any step."""
+        """It starts at its former value, ends at the requested one, and changes by no more than its rate in any step."""
         self.assertNotAlmostEqual(values[0], wanted, places=4)
         numpy.testing.assert_allclose(values[-1], wanted, rtol=1e-5)
         change = numpy.abs(numpy.diff(values))
         bound = most_per_second * STEP * (values[:-1] if relative else 1)
-        # A float's last digits of values of about one (stiffness: relative to itself).
+        # Float rounding of values of about one (stiffness: relative to itself).
         self.assertTrue((change <= bound * 1.001 + (1e-6 * values[:-1] if relative else 1e-6)).all(), change.max())
 
     def test_instructor_changes_the_patient(self):
@@ -61,7 +61,7 @@ class Live(support.Programs):
         self.assertEqual(json.loads(refused.stdout)["refused"], 2)
         self.assertIn("tissue stiffness", refused.stderr)
         self.assertIn("saliva: standby", refused.stderr)
-        self.wait_seconds(4)  # two tenths of tongue take two seconds, and half a second before they begin
+        self.wait_seconds(4)  # two tenths of tongue size take two seconds, after a delay of half a second
         self.stop("server")
         with h5py.File(self.record, "r") as file:
             kinds = [kind.decode() for kind in file["inputs/commands/kind"]]
@@ -78,7 +78,7 @@ class Live(support.Programs):
             before = file["skeleton/table_angle"][:][file["inputs/step"][:] < first]
             self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
 
-    def test_a_preset_is_asked_for_by_name(self):
+    def test_preset_is_applied_by_name(self):
         place = ["--session", support.SESSION, "--domain", support.DOMAIN, "--json"]
         self.start_server()
         done = support.run("eti-controller", "--preset", "large_tongue", "--set", "tongue_scale=1.1", *place)
@@ -97,7 +97,7 @@ class Live(support.Programs):
         numpy.testing.assert_allclose(asked["tongue_scale"], 1.1, rtol=1e-6)
         numpy.testing.assert_allclose(asked["tissue_stiffness"], 12e3, rtol=1e-6)
 
-    def test_the_tube_changes_and_a_note_is_kept(self):
+    def test_tube_changes_and_note_is_recorded(self):
         self.start_server()
         done = self.set("tube_youngs_modulus_mpa=30", "tube_curve_radius_mm=200")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -121,7 +121,7 @@ class Live(support.Programs):
         self.assertEqual(len(notes), 1)
         self.assertTrue(notes[0].endswith(": tongue not swept aside"), notes)
 
-    def test_a_pad_goes_on_from_where_the_instructor_left_the_patient(self):
+    def test_pad_continues_from_values_set_by_instructor(self):
         self.start_server()
         self.assertEqual(self.set("head_elevation_deg=20").returncode, 0)
         self.wait_seconds(3)
@@ -133,7 +133,7 @@ class Live(support.Programs):
              "--domain", str(support.DOMAIN), "--json"],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(controller.kill)
-        self.wait_seconds(2)  # till it has heard of the patient
+        self.wait_seconds(2)  # until it has received the patient's posture
         pad.move(1, -1)  # away from the body: up
         support.wait_until(lambda: self.now("head_elevation") > 22, "the head is lifted")
         pad.move(1, 0)
@@ -150,7 +150,7 @@ class Live(support.Programs):
             self.assertAlmostEqual(moved[0], 20, delta=0.2)
             self.assertGreater(moved[-1], 21)
 
-    def test_what_cannot_be_sent_is_said(self):
+    def test_invalid_settings_are_refused_with_reason(self):
         for wish, words in (("tongue_size=1.2", "tongue_scale"), ("tongue_scale=1.2x", "plain number"),
                             ("tongue_scale", "KEY=VALUE")):
             self.assert_refused(self.set(wish), wish, words)
@@ -158,8 +158,8 @@ class Live(support.Programs):
                              support.DOMAIN)
         self.assert_refused(nobody, "no server found in session 'nobody'")
 
-    def test_documented_keys_are_those_of_the_program(self):
-        """Keys and ranges in docs/commands.md against what the program itself says of its table."""
+    def test_documented_keys_match_program(self):
+        """Keys and ranges in docs/commands.md against the program's own table."""
         text = re.sub(r"\s+", " ", support.run("eti-controller", "--help").stdout)
         told = {(key, float(low), float(high))
                 for key, low, high in re.findall(r"(\w+) \((-?[\d.]+) to (-?[\d.]+)\)", text)}

@@ -12,7 +12,7 @@ class Next(support.Programs):
     def ask(self, command):
         return support.run("eti-controller", "--command", command, "--json", *map(str, self.bus))
 
-    def test_next_begins_the_session_that_follows_and_stop_ends_all(self):
+    def test_next_starts_following_session_and_stop_ends_all(self):
         self.record = self.folder / "lesson.eti.h5"
         self.start("server", "eti-server", "--scenario", "term", "--scenario", "term_enhanced", "--scenario", "term",
                    "--record", self.record)
@@ -29,14 +29,14 @@ class Next(support.Programs):
         self.assertEqual(self.running["server"].wait(support.PATIENCE), 0)
         self.assertEqual(sorted(file.name for file in self.folder.glob("*.h5")), ["lesson-2.eti.h5", "lesson.eti.h5"])
 
-    def test_the_last_one_has_no_next(self):
+    def test_next_is_refused_in_last_session(self):
         self.start_server()
         refused = self.ask("next")
         self.assertEqual(refused.returncode, 1)
         self.assertIn("--scenario A --scenario B", refused.stderr)
         self.stop("server")
 
-    def test_sessions_follow_each_other_by_themselves_and_all_are_read_first(self):
+    def test_sessions_run_in_sequence_after_all_are_read(self):
         done = support.run("eti-server", "--no-dds", "--fast", "--steps", 20, "--scenario", "term", "--scenario",
                            "premature", "--json", timeout=support.SECONDS_TO_START)
         self.assertEqual(done.returncode, 0, done.stderr)

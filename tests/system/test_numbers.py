@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every number of every command line, tried at and beyond its edges.
+"""Every number of every command line, tried at and beyond its limits.
 
-The programs' own `--help` says which options there are and what they take. So a new option, subcommand or program is
-tried without being named here. An option whose value the help calls FLOAT, INT or UINT was declared without limits.
+The programs' own `--help` lists the options and their types, so that a new option, subcommand or program is tried
+without being named here. An option whose value the help calls FLOAT, INT or UINT was declared without limits.
 """
 
 import re
@@ -18,7 +18,7 @@ LAUNCHERS = {"eti-bench", "eti-bench-bus"}
 BUS_PARTS = ("join", "write-poses", "read-poses", "read-states")
 SECONDS_TO_REFUSE = 30
 NO_NUMBERS = ("nan", "inf", "0x10", "5mm")  # more of them in tests/unit/common/process/command_line_test.cpp
-LONGEST_MESSAGE = 300  # letters; the greatest double alone has 309
+LONGEST_MESSAGE = 300  # letters; the largest double alone has 309
 
 
 def help_of(*command):
@@ -33,14 +33,14 @@ def subcommands(text):
 
 
 class Option:
-    """A number: its name and its limits."""
+    """A numeric option: its name and its limits."""
 
     def __init__(self, command, name, kind, low, high):
         self.command, self.name, self.whole = command, name, kind == "COUNT"
         self.low, self.high = Decimal(low), Decimal(high) if high else None
 
     def refused(self):
-        """Values that are none of this option's."""
+        """Values that this option must reject."""
         yield from NO_NUMBERS
         yield str(2**64) if self.whole or self.high else "1" + "0" * 400
         yield str(self.low - 1)
@@ -73,7 +73,7 @@ def commands():
 
 
 class Numbers(support.Case):
-    def test_every_number_has_limits_and_a_program_has_some(self):
+    def test_every_numeric_option_has_limits(self):
         found, unlimited = {}, []
         for command in commands():
             options, without = options_of(*command)
@@ -81,12 +81,12 @@ class Numbers(support.Case):
             unlimited += without
         self.assertEqual(unlimited, [], "declare them by add_number(), common/process/command_line.hpp")
         names = {option.name for options in found.values() for option in options}
-        # What once was taken as NaN or crashed is among what is tried.
+        # Options that once accepted NaN or crashed are among those tried.
         self.assertLessEqual({"--closing-mm", "--noise-hu", "--silence-ms", "--duration", "--stylus-diameter-mm",
                               "--steps", "--seed"}, names)
         self.assertGreater(sum(map(len, found.values())), 60)
 
-    def test_no_number_is_refused_with_range_and_without_a_crash(self):
+    def test_invalid_numbers_are_refused_with_range(self):
         for command in commands():
             for option in options_of(*command)[0]:
                 for value in option.refused():

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The Debian packages: what is in them, what they ask for, and that the server runs from them."""
+"""The Debian packages: their contents, dependencies, and that the server runs from them."""
 
 import json
 import re
@@ -12,7 +12,7 @@ import package_files
 from package_files import COMPILED, NAMES, contents, field, packages
 from support import ROOT, Case
 
-# What runs scripts of this tree.
+# Programs that run scripts of this tree.
 IN_TREE = {"eti-bench-bus"}
 BUILD_VERSION = re.search(r"VERSION (\S+) DESC", (ROOT / "CMakeLists.txt").read_text()).group(1)
 
@@ -23,7 +23,7 @@ class Packages(Case):
         self.packages = packages()
         self.files = {name: contents(file) for name, file in self.packages.items()}
 
-    def test_every_program_is_in_the_package_of_its_part(self):
+    def test_every_program_is_in_its_package(self):
         self.assertEqual(sorted(self.packages), sorted(NAMES))
         for package, programs in {
             "neoeti-server": ["server"], "neoeti-client": ["client"], "neoeti": ["demo"],
@@ -35,10 +35,10 @@ class Packages(Case):
         built = {program.name for program in package_files.BIN.glob("eti-*")}
         self.assertEqual(built - packed, IN_TREE, "built, and in no package")
 
-    def test_data_and_documents_are_those_of_the_tree(self):
+    def test_data_and_documents_match_source_tree(self):
         data = self.files["neoeti-data"]
         for kind in ("scenarios", "operators", "presets", "hands", "dds", "calibration", "parts"):
-            for file in (ROOT / "deploy" / kind).iterdir():
+            for file in (ROOT / "deploy/data" / kind).iterdir():
                 self.assertIn(f"/usr/share/neoeti/{kind}/{file.name}", data)
         for page in (ROOT / "docs").rglob("*.md"):
             self.assertIn(f"/usr/share/doc/neoeti-doc/{page.relative_to(ROOT)}", self.files["neoeti-doc"])
@@ -46,7 +46,7 @@ class Packages(Case):
         for name, files in self.files.items():
             self.assertLessEqual({f"/usr/share/doc/{name}/copyright", f"/usr/share/doc/{name}/changelog.gz"}, files)
 
-    def test_services_have_units_settings_and_a_user(self):
+    def test_services_have_units_settings_and_user(self):
         for package, services in {"neoeti-server": ["server"], "neoeti-devices": ["haptics", "tracker"]}.items():
             settings = {f"/etc/neoeti/conf.d/{service}.conf" for service in services}
             units = {f"/usr/lib/systemd/system/eti-{service}@.service" for service in services}
@@ -60,7 +60,7 @@ class Packages(Case):
         every = [path for files in self.files.values() for path in files]
         self.assertEqual(len(every), len(set(every)), sorted(path for path in set(every) if every.count(path) > 1))
 
-    def test_control_fields_say_what_a_package_needs(self):
+    def test_control_fields_declare_dependencies(self):
         for name, file in self.packages.items():
             self.assertEqual(field(file, "Version"), BUILD_VERSION)
             self.assertEqual(field(file, "Architecture") == "all", name[7:] not in COMPILED, name)
@@ -78,11 +78,11 @@ class Packages(Case):
         graphics = re.compile(r"epoxy|mesa|libgl|opencv|libegl")
         self.assertNotRegex(field(self.packages["neoeti-server"], "Depends"), graphics)
 
-    def test_changelog_is_of_this_version(self):
+    def test_changelog_matches_version(self):
         first = (ROOT / "deploy/debian/changelog").read_text().splitlines()[0]
         self.assertIn(f"({BUILD_VERSION})", first)
 
-    def test_nothing_holds_a_path_of_the_build(self):
+    def test_no_file_contains_a_build_path(self):
         package_files.unpack(self.folder, *self.packages.values())
         for path in self.folder.rglob("*"):
             if path.is_file() and not path.is_symlink():
@@ -98,7 +98,7 @@ class Packages(Case):
 
 
 class Unpacked(Case):
-    """Away from the tree that they were built in."""
+    """Outside of the tree that they were built in."""
 
     def setUp(self):
         super().setUp()
@@ -110,23 +110,23 @@ class Unpacked(Case):
         return subprocess.run([self.bin / command[0], *command[1:]], capture_output=True, text=True, timeout=120,
                               cwd="/")
 
-    def test_server_runs_with_the_packages_own_data(self):
+    def test_server_runs_with_packaged_data(self):
         done = self.run_program("eti-server", "--fast", "--no-dds", "--operator", "expert", "--steps", "20", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)["steps"], 20)
 
-    def test_names_are_sought_in_the_packages_data_and_nowhere_else(self):
+    def test_names_are_resolved_in_packaged_data_only(self):
         done = self.run_program("eti-server", "--fast", "--no-dds", "--scenario", "nobody")
         self.assertEqual(done.returncode, 1)
         self.assertIn(str(self.folder / "usr/share/neoeti/scenarios"), done.stderr)
         self.assertNotIn(str(ROOT), done.stderr)
-        # And they are read from there: an own one beside them is found.
+        # Files are read from there: an additional one beside them is found.
         shutil.copy(self.folder / "usr/share/neoeti/scenarios/term.yaml",
                     self.folder / "usr/share/neoeti/scenarios/nobody.yaml")
         done = self.run_program("eti-server", "--fast", "--no-dds", "--scenario", "nobody", "--steps", "1", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def test_demo_explains_itself_and_passes_options_on(self):
+    def test_demo_prints_help_and_forwards_options(self):
         self.assertIn("--scenario", self.run_program("eti-demo", "--help").stdout)
         done = self.run_program("eti-demo", "--out", self.folder / "out")
         self.assertEqual(done.returncode, 1)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The instructor's panel in a window: what a hand does there becomes commands that the server accepts."""
+"""The instructor's panel in a window: input there becomes commands that the server accepts."""
 
 import json
 import time
@@ -12,7 +12,7 @@ import support
 from virtual_display import VirtualDisplay
 
 WIDTH, HEIGHT = 960, 540
-LETTER = 13  # pixels, as client/panel/drawing.cpp has it for this height
+LETTER = 13  # pixels, as in client/panel/panel_renderer.cpp for this height
 
 
 class Panel(support.Programs):
@@ -39,10 +39,10 @@ class Panel(support.Programs):
                    *options)
         self.wait_for("client", "shows the patient")
         self.display.find("NeoETI")
-        time.sleep(2)  # nothing tells when the window has the keyboard
+        time.sleep(2)  # nothing reports when the window has the keyboard focus
 
     def type_value(self, words, value):
-        """By keys alone: shows the panel, which asks what to look for, and goes on to the slider found."""
+        """By keys alone: shows the panel, which focuses the search field, and moves to the slider found."""
         self.display.key("F1")
         time.sleep(0.5)
         self.display.type(words)
@@ -54,16 +54,16 @@ class Panel(support.Programs):
         self.display.key("F1")
 
     def click_start_of_the_only_row(self):
-        """The button at the row's right end. What is found by searching is all that lies below the tabs."""
+        """Clicks the button at the row's right end. The search result is the only row below the tabs."""
         for y in range(16 * LETTER, 8 * LETTER, -LETTER // 2):
             self.display.click(WIDTH - 3 * LETTER, y)
 
-    def test_keys_and_clicks_become_accepted_commands(self):
+    def test_keys_and_clicks_send_accepted_commands(self):
         self.start_server()
         self.open_client()
-        for _ in range(8):  # a picture may take longer than a key is held, where the machine is busy
+        for _ in range(8):  # on a busy machine a picture may take longer than a key is held
             self.type_value("axes", 1)
-            # Without hiding it: where the first key was lost, the next try shows it instead of hiding it again.
+            # Without hiding it: if the first key was lost, the next try shows it instead of hiding it again.
             if self.becomes("view_axes", 1):
                 break
         self.assertEqual(self.now("view_axes"), 1, self.log("client"))
@@ -82,7 +82,7 @@ class Panel(support.Programs):
         self.assertEqual(set(kinds), {"view_axes"})
         self.assertTrue(all(sender.startswith("eti-client:") for sender in senders), senders)
 
-    def test_an_observers_do_not(self):
+    def test_observer_keys_and_clicks_send_nothing(self):
         self.start_server()
         self.open_client("--observe")
         for _ in range(2):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Who goes first on a busy machine: with the right to real-time priorities and without, the simulation is the same."""
+"""Scheduling on a busy machine: with and without the right to real-time priorities, the simulation is the same."""
 
 import ctypes
 import json
@@ -18,7 +18,7 @@ SECONDS_TO_START = 120
 
 
 def without_rights():
-    """What is started next may not have real-time priorities, root or not."""
+    """Programs started next may not have real-time priorities, root or not."""
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
     ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_SYS_NICE, 0, 0, 0)
 
@@ -45,24 +45,24 @@ class Priority(support.Case):
         self.assertEqual(server.returncode, 0, said)
         return json.loads(out)["state_hash"], said
 
-    def test_state_does_not_depend_on_rights_and_threads(self):
+    def test_state_is_independent_of_priority_and_threads(self):
         refused, said = self.outcome(self.start("--threads", "1", prepare=without_rights))
         self.assertEqual(said.count("no real-time priority (Operation not permitted)"), 1, said)
         line = next(line for line in said.splitlines() if "no real-time priority" in line)
         self.assertIn("ulimit -r", line)
         granted, _ = self.outcome(self.start("--threads", "2"))
-        # The reference ignores the clock, and so has neither threads beside the step nor priorities.
+        # The reference ignores the clock, and so has neither background threads nor priorities.
         alone, said = self.outcome(self.start("--fast", "--no-dds", prepare=without_rights))
         self.assertNotIn("no real-time priority", said)
         self.assertEqual(refused, alone)
         self.assertEqual(granted, alone)
 
-    def test_simulation_goes_first_while_it_runs(self):
+    def test_simulation_has_real_time_priority(self):
         if not may_have_priority():
             self.skipTest("no right to real-time priorities here")
         server = self.start()
-        # The library's threads and the one that sends what is felt; the simulation and shapes; judging. Each thread
-        # takes its priority as it begins.
+        # The library's threads and the haptic publisher; the simulation and shapes; the assessment. Each thread sets
+        # its priority as it starts.
         wanted = ((70, 2), (60, 2), (50, 1))
         found, deadline = {}, time.monotonic() + SECONDS_TO_START
         while any(list(found.values()).count((os.SCHED_FIFO, priority)) < least for priority, least in wanted):
@@ -77,7 +77,7 @@ class Priority(support.Case):
         server.kill()
         server.communicate()
 
-    def test_the_tubes_tracker_goes_before_the_simulation(self):
+    def test_tracker_has_higher_priority_than_simulation(self):
         if not may_have_priority():
             self.skipTest("no right to real-time priorities here")
         tracker = subprocess.Popen([support.BIN / "eti-tracker", "--device", "simulated", "--session", support.SESSION,

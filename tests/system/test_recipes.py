@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Recipes for others' CI and for containers: they are well formed, name what is there, and what they run works."""
+"""Recipes for external CI and containers: they are well formed, name existing files, and their commands work."""
 
 import json
 import os
@@ -30,8 +30,8 @@ class Recipes(support.Case):
             self.skipTest("no jq here")
 
     def stand_in(self):
-        """The folder of a server that gives the result of the operator's run which operator_run.py kept. It lies where a
-        job that builds has its own."""
+        """The folder of a stand-in server that returns the result kept by operator_run.py. It lies where a job that
+        builds has its own."""
         server = self.folder / "build/release/bin/eti-server"
         server.parent.mkdir(parents=True)
         server.write_text(f'#!/bin/sh\nwhile [ "$1" != --operator ]; do shift; done\nexec cat "{FOLDER}/$2.json"\n')
@@ -55,7 +55,7 @@ class Recipes(support.Case):
         job, = yaml.safe_load((CI / "github.yaml").read_text())["jobs"].values()
         lines = [step["run"] for step in job["steps"] if "run" in step]
         for scenario in job["strategy"]["matrix"]["scenario"]:
-            self.assertTrue((ROOT / f"deploy/scenarios/{scenario}.yaml").is_file())
+            self.assertTrue((ROOT / f"deploy/data/scenarios/{scenario}.yaml").is_file())
         install, intubate = lines
         for package in re.findall(r"/(neoeti-\w+)_\*\.deb", install):
             self.assertIn(f"eti_package({package[7:]} ", (ROOT / "cmake/package.cmake").read_text())
@@ -70,11 +70,11 @@ class Recipes(support.Case):
         known = re.findall(r"option\((\w+)", (ROOT / "CMakeLists.txt").read_text())
         self.assertEqual(options, {"ETI_CLIENT", "ETI_TESTS"} & set(known))
         line, = job["script"]
-        self.stand_in()  # which the line has to prefer to the one in PATH
+        self.stand_in()  # which the line must prefer to the one in PATH
         self.assert_intubated(self.shell(line, SCENARIO="term"))
         self.assertEqual(json.loads((self.folder / "result.json").read_text()), result("expert"))
 
-    def test_what_is_not_as_wanted_fails(self):
+    def test_judge_script_fails_on_unmet_expectation(self):
         path = f"{self.stand_in()}:{os.environ['PATH']}"
         done = self.shell("deploy/ci/judge.sh term no_lift", PATH=path)
         self.assertEqual(done.returncode, 1)
@@ -88,7 +88,7 @@ class Recipes(support.Case):
 
 
 class Containers(support.Case):
-    def test_container_file_names_what_is_there(self):
+    def test_container_file_references_existing_paths(self):
         text = (OCI / "Containerfile").read_text()
         self.assertEqual(set(re.findall(r"^FROM \S+ AS (\S+)$", text, re.M)),
                          {"build", "build-tools", "tools", "server"})
@@ -104,7 +104,7 @@ class Containers(support.Case):
         for option in entry[1:]:
             self.assertIn(option, offered)
 
-    def test_health_is_that_of_the_loop(self):
+    def test_health_check_follows_simulation_loop(self):
         server = subprocess.Popen([BIN / "eti-server", "--session", SESSION, "--domain", str(DOMAIN)],
                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(server.wait)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A recorded session is replayed on the bus: clients show it as they showed the live one, and it can be steered."""
+"""A recorded session is replayed on the bus: clients show it as they showed the live one, and it can be controlled."""
 
 import json
 import re
@@ -15,7 +15,7 @@ import support
 STEPS = 1260  # seven seconds: the blade lifts; a step at which deformation is recorded
 # A recorded frame is at most 0.02 mm and 0.05 degrees off, which is a tenth of a pixel here: only edges may change.
 LIKE = 0.01  # share of pixels
-CHANGE = 24  # of 255, that counts
+CHANGE = 24  # of 255, threshold for a change
 
 
 class Replay(support.Programs):
@@ -35,7 +35,7 @@ class Replay(support.Programs):
         return json.loads(done.stdout) if done.stdout else done
 
     def now(self, name):
-        """What a value that lives is, as clients hear it."""
+        """Value of a runtime parameter, as published to clients."""
         session = self.ask("--list")
         return next(row["now"] for row in session["live"] if row["name"] == name)
 
@@ -55,8 +55,8 @@ class Replay(support.Programs):
         self.assertGreaterEqual(len(pictures), 4)
         return report["simulation_time_s"], pictures
 
-    def test_no_hand_feels_a_replay(self):
-        """One that holds a device on it, moved as the recorded hand was, must not be pushed by what that hand felt."""
+    def test_replay_exerts_no_force_on_hand(self):
+        """A device moved like the recorded hand must not receive the forces of that hand."""
         self.record_expert(10)
         self.replay("--loop")
         hand = support.run("eti-haptics", "--device", "simulated", "--operator", "expert", "--duration", 12, "--json",
@@ -67,7 +67,7 @@ class Replay(support.Programs):
         self.assertGreater(felt["message_ms"]["p50"], 0.0, "nothing of the replay arrived")
         self.assertEqual(felt["force_n"]["max"], 0.0, felt)
 
-    def test_a_client_draws_what_it_drew_live(self):
+    def test_replay_draws_same_pictures_as_live(self):
         live_out = self.draw("live")
         self.start_server("--operator", "expert", "--steps", STEPS)
         live_time, live = self.pictures("live", live_out)
@@ -88,9 +88,9 @@ class Replay(support.Programs):
             otherwise = (numpy.abs(before[view] - picture).max(axis=2) > CHANGE).mean()
             self.assertGreater(otherwise, 3 * changed, f"{view}: two seconds before it was not the same")
 
-    def test_it_is_steered_over_the_bus(self):
+    def test_replay_is_controlled_over_the_bus(self):
         self.record_expert(3)
-        # So that it shows where the replay is.
+        # Makes the replay position visible.
         with h5py.File(self.record, "r+") as file:
             file["skeleton/jaw_opening"][:] = (
                 numpy.arange(len(file["inputs/step"]), dtype=numpy.float32) / 180 * numpy.pi / 180)  # a degree a second
@@ -111,7 +111,7 @@ class Replay(support.Programs):
         self.ask("--command", "stop")
         self.assertEqual(self.running["replay"].wait(support.PATIENCE), 0, self.log("replay"))
 
-    def test_it_ends_loops_and_is_ended(self):
+    def test_replay_ends_loops_and_stops(self):
         self.record_expert(2)
         began = time.monotonic()
         self.replay("--from", 0.5, "--to", 1.5, "--speed", 8)
@@ -123,7 +123,7 @@ class Replay(support.Programs):
         self.assertIsNone(self.running["replay"].poll(), "it would have been at its end six times")
         self.stop("replay")
 
-    def test_two_replays_need_two_sessions(self):
+    def test_concurrent_replays_need_different_sessions(self):
         self.record_expert(1)
         self.replay("--pause")
         second = support.run("eti-review", "replay", self.record, *map(str, self.bus))
@@ -134,7 +134,7 @@ class Replay(support.Programs):
         self.assertLess(self.now("suction"), 0.1, "the first goes on")
         self.stop("replay")
 
-    def test_what_cannot_be_shown_is_refused(self):
+    def test_invalid_replay_input_is_refused(self):
         foreign = self.folder / "foreign.h5"
         with h5py.File(foreign, "w", libver="latest") as file:
             file["numbers"] = [1, 2, 3]

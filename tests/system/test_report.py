@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The page of `eti-review report` in a browser: what it shows, what moves, and that nothing leaves it. Its sessions are
-the runs that operator_run.py made."""
+"""The page of `eti-review report` in a browser: its content, its interaction, and that it makes no network requests.
+Its sessions are the runs of operator_run.py."""
 
 import base64
 import functools
@@ -28,7 +28,7 @@ import support
 from operator_run import recording
 
 HOSTILE = '</script><script>document.title="taken"</script><img src="http://192.0.2.1/x" onerror="document.title=\'taken\'">'
-SHOTS = os.environ.get("ETI_REPORT_PICTURES")  # a folder that keeps what was seen, for people to look at
+SHOTS = os.environ.get("ETI_REPORT_PICTURES")  # a folder for screenshots, for people to look at
 
 
 def setUpModule():
@@ -45,7 +45,7 @@ def folder():
 
 @functools.cache
 def killed():
-    """A recording that ended by SIGKILL while the attempt went on."""
+    """A recording that ended by SIGKILL during the attempt."""
     file = folder() / "killed.eti.h5"
     process = subprocess.Popen([support.BIN / "eti-server", "--scenario", "term", "--operator", "expert", "--fast",
                                 "--no-dds", "--record", file], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -62,7 +62,7 @@ def killed():
 
 class Report(support.Case):
     def page(self, *files, width=1200):
-        """The report about these files in a browser that writes down what it fetches and what goes wrong."""
+        """The report about these files in a browser that records its requests and errors."""
         done = support.run("eti-review", "report", *files, "--out", self.folder, timeout=120)
         if "was built without the page" in done.stderr:
             self.skipTest(done.stderr)
@@ -88,18 +88,18 @@ class Report(support.Case):
         return " ".join(one.text for one in self.find(selector))
 
     def keep(self, name):
-        """What the window shows, as a picture's file."""
+        """Saves the window's content as a picture."""
         file = Path(SHOTS or self.folder) / f"{name}.png"
         self.browser.save_screenshot(str(file))
         return file
 
     def assert_quiet(self):
-        """No error in its console, and nothing asked of a network."""
+        """No error in its console, and no network request."""
         self.assertEqual([one for one in self.browser.get_log("browser") if one["level"] == "SEVERE"], [])
         messages = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
         asked = [message["params"]["request"]["url"] for message in messages
                  if message["method"] == "Network.requestWillBeSent"
-                 and message["params"]["documentURL"] == self.file.as_uri()]  # the browser's own first page asks, too
+                 and message["params"]["documentURL"] == self.file.as_uri()]  # the browser's own first page makes requests, too
         self.assertIn(self.file.as_uri(), asked)
         for address in asked:
             self.assertRegex(address, r"^(file|data|blob):")
@@ -109,7 +109,7 @@ class Report(support.Case):
         return self.find(".stage canvas")[0].screenshot_as_png
 
     def stage_at(self, share):
-        """The stage once it stands still after the slider was moved."""
+        """The stage once it is steady after the slider was moved."""
         self.set_slider(share)
         seen = [self.stage()]
 
@@ -126,7 +126,7 @@ class Report(support.Case):
             "s.dispatchEvent(new Event('input'));", share)
 
     def assert_numbers(self, shown, file):
-        """Each cell of a column says what the summary says."""
+        """Each cell of a column equals the summary."""
         summary = json.loads(support.run("eti-review", "summary", file, "--json").stdout)
         count = 0
         for key, (value, text) in shown.items():
@@ -147,7 +147,7 @@ class Report(support.Case):
         return {cell.get_attribute("data-key"): (cell.get_attribute("data-value"), cell.text)
                 for cell in self.find(f"#parameters td[data-column='{column}']")}
 
-    def test_expert_and_slower_hands_are_compared(self):
+    def test_report_compares_expert_and_novice(self):
         expert, novice = recording("expert"), recording("novice")
         self.page(expert, novice)
         summary = self.assert_numbers(self.cells(), expert)
@@ -173,13 +173,13 @@ class Report(support.Case):
             self.assertGreater(numpy.asarray(picture.convert("L")).std(), 10)
 
     def contributions(self, column):
-        """Of a session's score, by key and in the order of the page: label and log odds."""
+        """Contributions to a session's score, by key and in the order of the page: label and log odds."""
         cells = [(row.get_attribute("data-contribution"), row.find_elements(By.CSS_SELECTOR, "td"))
                  for row in column.find_elements(By.CSS_SELECTOR, "tr")]
         return {key: (label.text, float(odds.text.replace("−", "-"))) for key, (label, odds) in cells}
 
-    def test_a_score_shows_what_it_is_made_of_and_a_killed_recording_is_unknown(self):
-        scored = [recording("expert"), recording("no_lift")]  # whoever does not lift never sees the glottis
+    def test_score_shows_contributions_and_unknown_outcome(self):
+        scored = [recording("expert"), recording("no_lift")]  # without a lift the glottis is never seen
         self.page(*scored, killed())
         columns = self.find("#score .columns > div")
         expected = json.loads(support.run("eti-review", "score", "apply", *scored, "--json").stdout)
@@ -205,7 +205,7 @@ class Report(support.Case):
         self.assertIn("\nIntubated\n", columns[0].text)
         self.assertIn("\nNot intubated\n", columns[1].text)
         self.assertIn("time to the first view of the glottis: not reached, so it counts as the worst", columns[1].text)
-        # No grade stands beside an outcome that nobody knows.
+        # An unknown outcome has no grade.
         self.assertIn("Not scored, as the outcome is unknown", columns[2].text)
         self.assertEqual(columns[2].find_elements(By.CSS_SELECTOR, "[data-grade], tr"), [])
         self.assertEqual(self.text("#outcome .outcome"), "Intubated Not intubated Outcome unknown")
@@ -215,11 +215,11 @@ class Report(support.Case):
         self.keep("score")
         self.assert_quiet()
 
-    def test_a_broken_or_missing_score_is_refused_with_its_remedy(self):
-        """Whoever asked for none of them gets a report all the same."""
-        shadow = self.folder / "data" / "scores" / "scripted.yaml"  # comes before the shipped one
+    def test_broken_or_missing_score_error_contains_remedy(self):
+        """A report for which no score was requested is made all the same."""
+        shadow = self.folder / "data" / "scores" / "scripted.yaml"  # takes precedence over the shipped one
         shadow.parent.mkdir(parents=True)
-        shipped = (support.ROOT / "deploy/scores/scripted.yaml").read_text()
+        shipped = (support.ROOT / "deploy/data/scores/scripted.yaml").read_text()
         environment = os.environ | {"ETI_DATA": str(self.folder / "data")}
 
         def report(*arguments):
@@ -248,7 +248,7 @@ class Report(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("no human data", (self.folder / "out" / "report.html").read_text())
 
-    def test_without_a_score_on_a_telephone_and_on_paper(self):
+    def test_report_without_score_on_phone_and_in_print(self):
         self.page(recording("expert"), "--score", "none", width=500)
         self.assertEqual(self.find("#score, [data-grade]"), [])
         self.assertEqual([one.text for one in self.find("h2") if "score" in one.text.lower()], [])
@@ -263,7 +263,7 @@ class Report(support.Case):
         WebDriverWait(self.browser, 30).until(
             lambda _: float(self.find("#anatomy .stage")[0].get_attribute("data-time")) > shown + 0.2)
         play.click()
-        # It scrolls only down.
+        # It scrolls only vertically.
         overflow = self.browser.execute_script(
             "return document.documentElement.scrollWidth - document.documentElement.clientWidth")
         self.assertLessEqual(overflow, 0)
@@ -275,7 +275,7 @@ class Report(support.Case):
         self.assertEqual({tuple(round(float(one)) for one in size.split()) for size in sizes}, {(0, 0, 595, 842)})
         self.assert_quiet()
 
-    def test_hostile_texts_do_nothing(self):
+    def test_hostile_text_is_escaped(self):
         file = self.folder / "hostile.eti.h5"
         shutil.copy(recording("expert"), file)
         with h5py.File(file, "r+") as opened:
@@ -290,7 +290,7 @@ class Report(support.Case):
         self.assertEqual(self.find("img[src^=http]"), [])
         self.assert_quiet()
 
-    def test_a_session_without_any_number_is_shown(self):
+    def test_session_without_numbers_is_shown(self):
         file = self.folder / "nothing.eti.h5"
         shutil.copy(recording("expert"), file)
         with h5py.File(file, "r+") as opened:

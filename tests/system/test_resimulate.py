@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A recorded session is simulated again: bit by bit as it was, or it is said where and why not."""
+"""A recorded session is re-simulated: bit for bit, or the first difference and its reason are reported."""
 
 import json
 import re
@@ -32,7 +32,7 @@ tube:
 
 class Resimulate(support.Programs):
     def record_expert(self, seconds, scenario=support.COARSE_TERM, *options):
-        """A run of the expert; its JSON."""
+        """Records a run of the expert; returns its JSON."""
         self.record = self.folder / "run.eti.h5"
         done = support.run("eti-server", "--scenario", scenario, "--operator", "expert", "--fast", "--no-dds",
                            "--duration", seconds, "--record", self.record, "--json", *options,
@@ -59,14 +59,14 @@ class Resimulate(support.Programs):
             self.assertEqual(result["simulated"]["parameters"], live["parameters"])
 
     def change(self, row, series="inputs/laryngoscope_pose"):
-        """Another pose in one row: a millimetre aside."""
+        """Shifts the pose in one row by a millimetre."""
         with h5py.File(self.record, "r+") as file:
             pose = file[series][row]
             pose[0] += 0.001
             file[series][row] = pose
 
-    def test_an_expert_comes_out_bit_by_bit_with_another_number_of_threads(self):
-        """The whole attempt of one thread, simulated on two; and some of that once more, as it is a session, too."""
+    def test_expert_is_bit_identical_for_other_thread_count(self):
+        """The whole attempt of one thread, simulated on two; and part of the result once more, as it is a session, too."""
         self.record = recording("expert")
         again = self.folder / "again.eti.h5"
         self.assert_as_recorded(self.resimulate("--threads", 2, "--record", again, timeout=600), result("expert"))
@@ -78,8 +78,8 @@ class Resimulate(support.Programs):
         once_more = self.resimulate("--steps", 540, file=again)
         self.assertEqual((once_more["steps"], once_more["equal_steps"], once_more["equal_states"]), (540, 540, 3))
 
-    def test_an_operator_does_the_same_with_another_number_of_threads(self):
-        """Whose hands follow what they see and feel: up to the best view, against the same run on one thread."""
+    def test_operator_is_independent_of_thread_count(self):
+        """Its hands react to view and forces: up to the best view, against the same run on one thread."""
         seconds = 8
         self.record_expert(seconds, "term", "--threads", 2)
         with h5py.File(self.record) as two, h5py.File(recording("expert")) as one:
@@ -87,11 +87,11 @@ class Resimulate(support.Programs):
             numpy.testing.assert_array_equal(two["inputs/laryngoscope_pose"], one["inputs/laryngoscope_pose"][:180 * seconds])
             numpy.testing.assert_array_equal(two["state/hash"], one["state/hash"][:seconds])
 
-    def test_saliva_comes_out_bit_by_bit(self):
+    def test_saliva_is_bit_identical(self):
         live = self.record_expert(4, "premature")
         self.assert_as_recorded(self.resimulate(), live)
 
-    def test_commands_and_a_reset_come_out_bit_by_bit(self):
+    def test_commands_and_reset_are_bit_identical(self):
         self.start_server("--operator", "expert", "--json", scenario="premature")
         self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)
         for wish in (("--set", "jaw_opening_deg=30", "--set", "suction=1", "--set", "tongue_scale=1.2"),
@@ -99,7 +99,7 @@ class Resimulate(support.Programs):
                      ("--command", "reset"), ("--set", "suction=0")):
             done = support.run("eti-controller", *wish, *map(str, self.bus))
             self.assertEqual(done.returncode, 0, done.stderr)
-        # Of simulation time: half a second until the tongue may grow, and some in which it does.
+        # Simulation time: half a second until the tongue may grow, and some in which it does.
         self.wait_for("server", "simulation time 4 s")
         live = self.end("server")
         with h5py.File(self.record) as file:
@@ -107,7 +107,7 @@ class Resimulate(support.Programs):
             self.assertGreater(numpy.ptp(file["tissue/tongue_scale"][:]), 0)
         self.assert_as_recorded(self.resimulate(), live)
 
-    def test_an_operator_that_begins_again_comes_out_bit_by_bit(self):
+    def test_looped_operator_is_bit_identical(self):
         script = self.folder / "brief.yaml"
         script.write_text(BRIEF)
         self.record = self.folder / "run.eti.h5"
@@ -122,11 +122,11 @@ class Resimulate(support.Programs):
             self.assertEqual(list(file["inputs/commands/kind"]), [b"reset"] * len(ended))
             begins = file["inputs/commands/step"][:].astype(int)
             poses = file["inputs/laryngoscope_pose"][:]
-        # The second pass begins where the third does: at a patient at rest.
+        # The second pass begins like the third: with a patient at rest.
         numpy.testing.assert_allclose(poses[begins[0] - 1, :3], poses[begins[1] - 1, :3], atol=1e-5)
         self.assert_as_recorded(self.resimulate(), json.loads(done.stdout))
 
-    def test_hands_that_come_over_the_bus_come_out_bit_by_bit(self):
+    def test_bus_driven_hands_are_bit_identical(self):
         self.start_server("--json")
         self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)
         self.start("haptics", "eti-haptics", "--device", "simulated", "--operator", "expert")
@@ -142,7 +142,7 @@ class Resimulate(support.Programs):
             self.assertGreater(numpy.ptp(file["inputs/laryngoscope_pose"][:, 1]), 0.01, "they moved")
         self.assert_as_recorded(self.resimulate(), live)
 
-    def test_a_changed_input_is_named_by_its_step(self):
+    def test_changed_input_is_reported_with_step(self):
         self.record_expert(3)
         self.change(400)
         result = self.resimulate(status=1)
@@ -163,11 +163,11 @@ class Resimulate(support.Programs):
         self.assertEqual(said.returncode, 1)
         self.assertIn("first to differ: step 401 (2.228 s), tools/", said.stdout)
 
-    def test_what_is_set_changes_what_the_same_hands_come_to(self):
+    def test_overridden_parameter_changes_outcome(self):
         live = self.record_expert(8)  # the blade has gone in and lifts
         stiff = self.resimulate("--set", "tissue_stiffness_kpa=40")
         self.assertEqual(stiff["recorded"]["parameters"], live["parameters"])
-        # The hands go where they went, into tissue five times as stiff.
+        # The same hand motion, into tissue five times as stiff.
         self.assertEqual(stiff["simulated"]["parameters"]["blade_depth_cm"]["max"],
                          live["parameters"]["blade_depth_cm"]["max"])
         self.assertGreater(stiff["simulated"]["parameters"]["tongue_force_n"]["max"],
@@ -178,7 +178,7 @@ class Resimulate(support.Programs):
         self.assertRegex(said.stdout, r"\* force on the tongue, greatest +N +[\d.]+ +[\d.]+")
         self.assertRegex(said.stdout, r"\* glottic opening seen, greatest +% +[5-9]\d(\.\d+)? +[0-4](\.\d+)?\n")
 
-    def test_an_unfinished_or_damaged_file_is_simulated_as_far_as_it_goes(self):
+    def test_unfinished_or_damaged_file_is_simulated_partly(self):
         self.record = self.folder / "run.eti.h5"
         server = self.start("server", "eti-server", "--scenario", "term", "--operator", "expert", "--record",
                             self.record)
@@ -193,7 +193,7 @@ class Resimulate(support.Programs):
         self.assertEqual(done.returncode, 0, done.stderr)
         whole = self.folder / "whole.eti.h5"
         shutil.copy(self.record, whole)
-        # What the tools did is lost, which is only not compared; then a hand, without which nothing goes on.
+        # The tools' results are lost, which only prevents the comparison; then a hand's input, which is required.
         for series, steps in (("tools/proxy_pose", result["steps"]), ("inputs/tube_grip_pose", 180)):
             shutil.copy(whole, self.record)
             with h5py.File(self.record) as file:
@@ -209,9 +209,9 @@ class Resimulate(support.Programs):
             self.assertTrue(mended["equal"])
         self.assertIn("at step 181 the file holds no pose", mended["ended_early"])
 
-    def test_ctrl_c_ends_it_with_what_was_done(self):
+    def test_ctrl_c_reports_partial_result(self):
         self.record = recording("novice")
-        for worked in (0.0, 2.5):  # [s] of processor: before the patient is there, and probably after
+        for worked in (0.0, 2.5):  # [s] of processor time: before the patient is built, and probably after
             running = subprocess.Popen([support.BIN / "eti-server", "--resimulate", self.record, "--json"],
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             support.wait_until(lambda: support.takes(running, signal.SIGINT) and
@@ -221,7 +221,7 @@ class Resimulate(support.Programs):
             self.assertEqual(running.returncode, 130, errors)
             self.assertLess(json.loads(said)["steps"], json.loads(said)["recorded_steps"])
 
-    def test_what_cannot_be_done_is_refused(self):
+    def test_invalid_resimulation_is_refused(self):
         foreign = self.folder / "foreign.h5"
         with h5py.File(foreign, "w", libver="latest") as file:
             file["numbers"] = [1, 2, 3]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Trainee, instructor and observer in windows of a display without a screen: who may do what, and what a window does
-when server, driver or size fail it."""
+"""Trainee, instructor and observer in windows of a virtual display: their rights, and a window's behaviour when server,
+driver or size fail."""
 
 import os
 import re
@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 640, 360
 
 
 class Display:
-    """An X server without a screen, and hands on its mouse and keys."""
+    """An X server without a screen, with synthetic mouse and keyboard input."""
 
     def __init__(self, case):
         read, write = os.pipe()
@@ -35,7 +35,7 @@ class Display:
                               text=True, timeout=support.PATIENCE).stdout
 
     def window(self, process):
-        """The window of a program, once it is there, in front and with the keyboard."""
+        """The window of a program, once it exists, in front and with the keyboard focus."""
         number = self.do("search", "--sync", "--onlyvisible", "--pid", process.pid).split()[0]
         self.do("windowfocus", "--sync", number)
         return number
@@ -47,7 +47,7 @@ class Roles(support.Programs):
         self.display = Display(self)
 
     def start_client(self, role, *options, view="overview", height=HEIGHT, **environment):
-        """A window, once it draws."""
+        """Starts a client; returns its window once it draws."""
         os.environ.update(self.display.environment)
         os.environ.update(environment)
         self.start(role, "eti-client", "--size", f"{WIDTH}x{height}", "--view", view, "--json", *options)
@@ -56,14 +56,14 @@ class Roles(support.Programs):
         return self.running[role]
 
     def draws(self, role):
-        """Waits until it draws the patient: until then nothing can be pointed at."""
+        """Waits until it draws the patient: before that nothing can be picked."""
         self.wait_for(role, "shows the patient")
         return self.display.window(self.running[role])
 
     def said_by_server(self, words):
         return len(re.findall(words, self.log("server")))
 
-    def test_an_instructor_leaves_marks_and_commands_and_an_observer_neither(self):
+    def test_only_instructor_leaves_marks_and_commands(self):
         self.start_server()
         self.start_client("observer", "--observe")
         self.draws("observer")
@@ -95,7 +95,7 @@ class Roles(support.Programs):
             counts, first = marks["row_count"][:], marks["first_row"][:]
             self.assertEqual(counts[0], 1)
             self.assertGreaterEqual(counts[1], 2)
-            # Where places were follows from the scene, as the data sets say of themselves: the patient lies at rest.
+            # Past positions follow from the scene, as the data sets document: the patient is at rest.
             surfaces = {surface.attrs["name"]: surface for surface in file["scene/surfaces"].values()}
             for row in range(len(counts)):
                 surface = surfaces[marks["object"][row].decode()]
@@ -112,8 +112,8 @@ class Roles(support.Programs):
         self.assertIn("points at", summary.stdout)
 
     def hands(self, wait_for):
-        """What an instructor's hands do: a command, a remark, a point and a line on the head, each after the server has
-        had time for the one before."""
+        """An instructor's actions: a command, a remark, a point and a line on the head, each after the server has had
+        time for the previous one."""
         x, y = WIDTH // 2, HEIGHT // 2
         self.display.do("key", "e")
         self.display.do("key", "w")
@@ -129,11 +129,11 @@ class Roles(support.Programs):
         self.display.do("mouseup", 1, "keyup", "shift")
         wait_for("draws on")
 
-    def test_a_window_outlives_its_server_and_follows_the_next(self):
+    def test_window_outlives_server_and_follows_next_one(self):
         self.start_server()
         self.start_client("trainee")
         window = self.draws("trainee")
-        # The posture changes, and the window to nothing and back, while it draws.
+        # The posture changes, and the window shrinks to zero and back, while it draws.
         changed = support.run("eti-controller", "--set", "head_elevation_deg=20", "--set", "jaw_opening_deg=15", "--set",
                               "tongue_scale=1.1", "--session", support.SESSION, "--domain", support.DOMAIN)
         self.assertEqual(changed.returncode, 0, changed.stderr)
@@ -151,14 +151,14 @@ class Roles(support.Programs):
         self.assertEqual(report["end"], "stopped")
         self.assertEqual(report["messages_dropped"], 0, self.log("trainee"))
 
-    def test_a_window_says_when_it_cannot_be_drawn(self):
+    def test_old_graphics_driver_error_contains_remedy(self):
         """By Mesa's own switches: a driver that is too old."""
         for way in ([], ["--offscreen", self.folder / "pictures"]):
             done = support.run("eti-client", *way, "--wait", "3", "--session", support.SESSION, "--domain",
                                support.DOMAIN, env=dict(self.display.environment, MESA_GL_VERSION_OVERRIDE="2.1"))
             self.assert_refused(done, "OpenGL 3.3", "Install")
 
-    def test_a_window_gives_up_where_no_server_comes(self):
+    def test_window_gives_up_without_server(self):
         begin = time.monotonic()
         done = support.run("eti-client", "--wait", "2", "--session", support.SESSION, "--domain", support.DOMAIN,
                            env=self.display.environment)

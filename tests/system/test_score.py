@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What the shipped score makes of practised scripts that do not intubate, none of which it has learnt from. Its sessions
-are the runs that operator_run.py made."""
+"""The shipped score on practised scripts that do not intubate, none of which is in its training data. Its sessions are
+the runs of operator_run.py."""
 
 import json
 import re
@@ -16,7 +16,7 @@ ROWS = {"`expert`": "expert", "`expert`, premature": "premature", "`novice`": "n
 
 
 class Score(support.Case):
-    def test_who_does_not_intubate_scores_low_however_steady_the_hand(self):
+    def test_failed_intubation_scores_low_despite_steady_hand(self):
         self.assertIn("past the carina", result("too_far")["reason"])
         files = {row: recording(name) for row, name in ROWS.items()}
         done = support.run("eti-review", "score", "apply", *files.values(), "--json")
@@ -33,7 +33,7 @@ class Score(support.Case):
             said = re.search(rf"^\| {re.escape(row)} \| (yes|no) \| ([0-9.]+) \|$", page, re.M)
             self.assertIsNotNone(said, f"docs/score.md has no row for {row}")
             self.assertEqual(said[1] == "yes", score["success"], row)
-            # Runs are equal to the bit on the same kind of processor alone.
+            # Runs are bit-identical only on the same kind of processor.
             self.assertAlmostEqual(float(said[2]), score["grade"], delta=0.3, msg=row)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A secured session with the real programs: who has an identity of the lab takes its part, who has none sees nothing."""
+"""A secured session with the real programs: members with an identity of the lab participate, others see nothing."""
 
 import json
 import shutil
@@ -40,7 +40,7 @@ class Security(support.Programs):
     def run_as(self, identity, program, *arguments):
         return support.run(program, *arguments, *self.bus, "--identity", self.lab / identity)
 
-    def test_a_whole_session_has_an_identity_for_each(self):
+    def test_complete_session_runs_with_own_identities(self):
         extra = {program: ["--identity", self.lab / identity] for program, identity in IDENTITIES.items()}
         session = Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION, extra=extra,
                           say=lambda text: None)
@@ -61,7 +61,7 @@ class Security(support.Programs):
         for role in ("trainee", "observer"):
             self.assertIn("scene is complete", logs[role])
 
-    def test_program_without_identity_finds_nobody(self):
+    def test_program_without_identity_finds_no_server(self):
         server = self.start_server()
         plain = support.run("eti-controller", "--list", *self.bus)
         self.assert_refused(plain, "no server found", "--identity")
@@ -70,14 +70,14 @@ class Security(support.Programs):
         self.assertNotIn("scene is complete", client.stderr)
         self.assertIsNone(server.poll())
 
-    def test_identity_of_another_lab_finds_nobody(self):
+    def test_identity_of_another_lab_finds_no_server(self):
         other = self.folder / "other"
         make_lab(other, "--role", "instructor")
         self.start_server()
         done = support.run("eti-controller", "--list", *self.bus, "--identity", other / "instructor")
         self.assert_refused(done, "no server found")
 
-    def test_observer_commands_nothing_while_an_instructor_does(self):
+    def test_observer_commands_are_denied_and_instructors_pass(self):
         server = self.start_server()
         observer = self.run_as("observer", "eti-controller", "--set", "jaw_opening_deg=10", "--json")
         self.assert_refused(observer, "eti/command", "role observer")
@@ -92,7 +92,7 @@ class Security(support.Programs):
             self.assertEqual(list(file["inputs/commands/kind"]), [b"head_elevation"])
         self.assertIn("well done", self.log("server"))
 
-    def test_device_moves_no_other_tool(self):
+    def test_device_identity_moves_only_its_tool(self):
         self.start_server()
         device = ("--device", "simulated", "--duration", "2", "--json")
         for identity, tool, topic in (("laryngoscope", "tube", "eti/tube_pose"),
@@ -106,7 +106,7 @@ class Security(support.Programs):
         self.assertGreater(json.loads(done.stdout)["states_received"], 0)
 
     @unittest.skipUnless((support.BIN / "eti-doctor").exists(), "eti-doctor was not built")
-    def test_doctor_measures_a_secured_session_as_an_observer(self):
+    def test_doctor_measures_secured_session_as_observer(self):
         self.start_server()
         done = self.run_as("observer", "eti-doctor", "--duration", "3", "--json")
         report = json.loads(done.stdout)
@@ -116,7 +116,7 @@ class Security(support.Programs):
         self.assertEqual(identity["state"], "well")
         self.assertIn("'observer' (observer) of 'NeoETI lab", identity["text"])
 
-    def test_expired_or_wrong_file_is_named_by_every_program(self):
+    def test_every_program_names_invalid_identity_file(self):
         make_lab(self.lab, "--role", "observer:old", "--from", "2020-01-01", "--days", "30")
         broken = self.folder / "broken"
         shutil.copytree(self.lab / "observer", broken)

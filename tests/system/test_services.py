@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The services: what systemd says of their files, and that programs tell it how they are, and nothing when they hang.
+"""The services: systemd's verdict on their files, and that programs report their state, and nothing when they hang.
 
 Reference: sd_notify(3), systemd.service(5).
 """
@@ -20,7 +20,7 @@ from support import BIN, DOMAIN, ROOT, SESSION
 
 UNITS = ROOT / "deploy/systemd"
 SERVICES = ("server", "haptics", "tracker")
-SPAN = 0.4              # [s], in which the watchdog wants to hear
+SPAN = 0.4              # [s], interval of the watchdog
 EXPOSURE = 25           # most of systemd-analyze's 0 (none) to 100
 
 
@@ -31,14 +31,14 @@ class Units(support.Case):
             self.skipTest("no systemd-analyze here")
 
     def unit(self, service):
-        """The unit's file with the programs under test in the place of installed ones."""
+        """The unit's file with the programs under test in place of the installed ones."""
         text = (UNITS / f"eti-{service}@.service").read_text()
         self.assertEqual(text.count("/usr/bin/"), 1)
         file = self.folder / f"eti-{service}@.service"
         file.write_text(text.replace("/usr/bin", str(BIN)))
         return file
 
-    def test_systemd_understands_every_line(self):
+    def test_systemd_accepts_every_line(self):
         for service in SERVICES:
             done = subprocess.run(["systemd-analyze", "verify", "--man=no", self.unit(service)], capture_output=True,
                                   text=True)
@@ -48,13 +48,13 @@ class Units(support.Case):
         done = subprocess.run(["systemd-analyze", "verify", "--man=no", broken], capture_output=True, text=True)
         self.assertIn("WatchdogSeconds", done.stderr)
 
-    def test_services_are_exposed_no_more_than_they_need(self):
+    def test_service_exposure_is_below_threshold(self):
         for service in SERVICES:
             done = subprocess.run(["systemd-analyze", "security", "--offline=true", f"--threshold={EXPOSURE}",
                                    self.unit(service)], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout[-300:] + done.stderr)
 
-    def test_rights_and_shared_memory_are_left_to_them(self):
+    def test_services_keep_required_rights(self):
         for service in SERVICES:
             text = (UNITS / f"eti-{service}@.service").read_text()
             for line in ("Restart=on-failure", "LimitRTPRIO=80", "LimitMEMLOCK=infinity", "Type=notify",
@@ -63,10 +63,10 @@ class Units(support.Case):
             self.assertRegex(text, r"\nWatchdogSec=[1-9]")
             self.assertNotRegex(text, r"RestrictRealtime=yes|PrivateIPC=yes|RemoveIPC=yes|PrivateNetwork=yes|"
                                       r"InaccessiblePaths=.*shm|TemporaryFileSystem=")
-            # A device's files are the service's business, the server needs none.
+            # Services of devices need device files, the server needs none.
             self.assertEqual("PrivateDevices=yes" in text, service == "server")
 
-    def test_options_in_settings_are_options_of_the_programs(self):
+    def test_options_in_settings_exist_in_programs(self):
         for service in SERVICES:
             offered = support.run(f"eti-{service}", "--help").stdout
             text = (UNITS / f"conf.d/{service}.conf").read_text() + (UNITS / f"eti-{service}@.service").read_text()
@@ -89,7 +89,7 @@ class Manager:
         return {**os.environ, "NOTIFY_SOCKET": self.path, "WATCHDOG_USEC": str(int(1e6 * SPAN))}
 
     def listen(self, seconds, until=None):
-        """What arrives in a time, or up to a line that begins so."""
+        """Messages within a time, or up to a line with this prefix."""
         end, lines = time.monotonic() + seconds, []
         while (left := end - time.monotonic()) > 0:
             self.socket.settimeout(left)
@@ -119,7 +119,7 @@ class Notifications(support.Case):
         return process
 
     def assert_watched(self, process, also=""):
-        """READY, then signs of life; none while it is stopped; STOPPING at the end."""
+        """READY, then keep-alive messages; none while it is stopped; STOPPING at the end."""
         self.manager.wait_for("READY=1")
         self.assertEqual(self.manager.heard[0], "READY=1", "said nothing before it was ready")
         for _ in range(5):
@@ -128,7 +128,7 @@ class Notifications(support.Case):
             self.manager.wait_for(also)
         process.send_signal(signal.SIGSTOP)
         os.waitid(os.P_PID, process.pid, os.WSTOPPED)
-        self.manager.listen(0.01)  # what it had said before
+        self.manager.listen(0.01)  # discards earlier messages
         self.assertEqual(self.manager.listen(2 * SPAN), [], "speaks though it hangs")
         process.send_signal(signal.SIGCONT)
         self.manager.wait_for("WATCHDOG=1")
@@ -137,11 +137,11 @@ class Notifications(support.Case):
         self.assertEqual(process.wait(support.PATIENCE), 0)
         self.assertEqual(self.manager.heard.count("READY=1"), 1)
 
-    def test_server_says_that_it_is_ready_goes_on_and_ends(self):
+    def test_server_notifies_ready_watchdog_and_stopping(self):
         server = self.start("eti-server", "--session", SESSION, "--domain", DOMAIN)
         self.assert_watched(server, also="STATUS=simulation time")
 
-    def test_services_are_heard_by_another_users_programs(self):
+    def test_services_reach_programs_of_other_users(self):
         """The library's shared memory is closed to other users: with it nothing would arrive."""
         if os.geteuid() != 0 or shutil.which("setpriv") is None:
             self.skipTest("needs root and setpriv, to be two users")
@@ -151,8 +151,8 @@ class Notifications(support.Case):
         programs.mkdir()
         for program in ("eti-server", "eti-tracker"):
             shutil.copy(BIN / program, programs)
-        shutil.copytree(ROOT / "deploy", self.folder / "share/neoeti")
-        if support.cached_patients().is_dir():  # else the server builds its patient once more
+        shutil.copytree(ROOT / "deploy/data", self.folder / "share/neoeti")
+        if support.cached_patients().is_dir():  # otherwise the server builds its patient once more
             shutil.copytree(support.cached_patients(), self.folder / "cache")
             subprocess.run(["chmod", "-R", "a+rwX", self.folder / "cache"], check=True)
         self.folder.chmod(0o777)
@@ -171,16 +171,16 @@ class Notifications(support.Case):
             return json.loads(done.stdout)["states_received"] > 0
         support.wait_until(hears, "a state that the server wrote")
 
-    def test_server_that_refuses_its_input_never_says_ready(self):
+    def test_server_refusing_its_input_never_notifies_ready(self):
         server = self.start("eti-server", "--session", SESSION, "--domain", DOMAIN, "--scenario", "nobody")
         self.assertEqual(server.wait(support.PATIENCE), 1)
         self.assertEqual(self.manager.listen(0.2), [])
 
-    def test_haptics_say_so_of_their_loop(self):
+    def test_haptics_notifies_ready_watchdog_and_stopping(self):
         self.assert_watched(self.start("eti-haptics", "--session", SESSION, "--domain", DOMAIN, "--device",
                                        "simulated"))
 
-    def test_tracker_says_so_of_its_loop(self):
+    def test_tracker_notifies_ready_watchdog_and_stopping(self):
         self.assert_watched(self.start("eti-tracker", "--session", SESSION, "--domain", DOMAIN, "--device",
                                        "scripted"))
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Two servers under one session name: the second is refused and told who owns it. Two names live side by side."""
+"""Two servers under one session name: the second is rejected and told the owner. Two names coexist."""
 
 import signal
 import socket
@@ -24,7 +24,7 @@ class SessionName(support.Case):
         return process
 
     def owns(self, process, number):
-        """Whether a server comes to own its session, once that is decided."""
+        """Whether a server acquires its session, once that is decided."""
         support.wait_until(lambda: "runs scenario" in self.log(number) or process.poll() is not None,
                            lambda: self.log(number))
         return process.poll() is None
@@ -36,25 +36,25 @@ class SessionName(support.Case):
         return process
 
     def command(self, name):
-        # Without an operator it goes on until it is told to stop, however long another one takes to start.
+        # Without an operator it runs until it is stopped, however long another one takes to start.
         return [support.BIN / "eti-server", "--scenario", "term", "--session", name, "--domain", str(support.DOMAIN)]
 
     def stop(self, process):
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.wait(support.PATIENCE), 0)
 
-    def test_second_server_is_refused_and_the_first_goes_on(self):
+    def test_second_server_is_refused_and_first_continues(self):
         first = self.server(support.SESSION, 1)
         second = support.run("eti-server", *self.command(support.SESSION)[1:], timeout=support.SECONDS_TO_START)
         self.assert_refused(second, support.SESSION, f"{socket.gethostname()}:{first.pid}")
         self.assertIsNone(first.poll())
         self.stop(first)
 
-    def test_name_is_free_again_after_a_kill(self):
+    def test_name_is_released_after_kill(self):
         first = self.server(support.SESSION, 1)
         first.kill()
         first.wait()
-        # Until its lease ends the bus takes the dead one for the owner.
+        # Until its lease expires the bus takes the dead one for the owner.
         end = time.monotonic() + support.PATIENCE
         while True:
             second = self.start(support.SESSION, 2)
@@ -63,7 +63,7 @@ class SessionName(support.Case):
             self.assertIn("already run by the server", self.log(2))
             self.assertLess(time.monotonic(), end, self.log(2))
 
-    def test_other_session_runs_beside(self):
+    def test_other_session_runs_in_parallel(self):
         first = self.server(support.SESSION, 1)
         second = self.server(support.SESSION + "-other", 2)
         self.stop(second)

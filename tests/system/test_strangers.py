@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Programs that join a session and write what is not theirs to write, or more than anybody needs."""
+"""Programs that join a session and write without permission, or excessively."""
 
 import os
 import subprocess
@@ -19,7 +19,7 @@ class Strangers(support.Programs):
         return subprocess.Popen([STRANGER, what, *map(str, [*options, *self.bus])], stdout=subprocess.PIPE, text=True)
 
     def picture(self, name):
-        """The last one that a new observer draws, and what it said."""
+        """The last picture of a new observer, and its output."""
         folder = self.folder / name
         seen = support.run("eti-client", "--observe", "--offscreen", folder, "--size", "320x240", "--every", 0.2,
                            "--frames", 20, "--no-video", "--view", "overview", "--json", *self.bus)
@@ -30,7 +30,7 @@ class Strangers(support.Programs):
         self.start("server", "eti-server", "--scenario", "term", "--json", *options)
         self.wait_for("server", "simulation time 1 s", 120)
 
-    def test_a_strangers_proxy_moves_no_hand(self):
+    def test_foreign_proxy_exerts_no_force(self):
         self.serve()
         self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
         self.wait_for("haptics", "device 'simulated'")
@@ -39,13 +39,13 @@ class Strangers(support.Programs):
         self.assertLess(self.end("haptics")["force_n"]["max"], 0.05, "a still hand in free air feels nothing")
         self.assertIn("eti/proxy", self.log("haptics"))
 
-    def test_a_strangers_proxy_without_any_server_moves_no_hand(self):
+    def test_foreign_proxy_without_server_exerts_no_force(self):
         self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
         self.wait_for("haptics", "no server found")
         self.stranger("pull", "--seconds", 3).communicate(timeout=support.PATIENCE)
         self.assertEqual(self.end("haptics")["force_n"]["max"], 0.0)
 
-    def test_a_forged_end_ends_nobody_and_takes_forces_away(self):
+    def test_forged_end_stops_forces_but_no_program(self):
         self.serve()
         self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
         self.start("tracker", "eti-tracker", "--device", "scripted", "--json")
@@ -60,7 +60,7 @@ class Strangers(support.Programs):
             self.assertIsNone(process.poll(), f"{role}\n{self.log(role)}")
         self.assertGreater(self.end("haptics")["absent_share"] + 1, 0)
 
-    def test_a_forged_scene_replaces_nothing(self):
+    def test_forged_scene_is_ignored(self):
         forger = self.stranger("scene", "--seconds", 12)
         self.serve()
         beside, said = self.picture("beside")
@@ -69,18 +69,18 @@ class Strangers(support.Programs):
         forger.communicate(timeout=support.PATIENCE)
         alone, said = self.picture("alone")
         self.assertNotIn("eti/scene", said)
-        # Nobody moves, so that only the numbers on the screen differ; a forged scene is one triangle.
+        # Without motion only the numbers on the screen differ; a forged scene is one triangle.
         self.assertGreater((alone.std(axis=(0, 1)) > 5).sum(), 0, "the picture is empty")
         self.assertLess((abs(beside.astype(int) - alone) > 40).any(axis=2).mean(), 0.05)
 
-    def test_a_forged_status_keeps_no_server_out(self):
+    def test_forged_status_does_not_block_server(self):
         forger = self.stranger("end", "--seconds", 20)
         self.serve()
         self.assertIsNone(self.running["server"].poll())
         forger.kill()
         forger.communicate()
 
-    def test_a_second_device_moves_nothing_while_the_first_is_there(self):
+    def test_second_device_is_ignored_while_first_is_present(self):
         record = self.folder / "a.eti.h5"
         self.serve("--record", record)
         self.start("haptics", "eti-haptics", "--device", "simulated", "--json")
@@ -93,13 +93,13 @@ class Strangers(support.Programs):
         self.assertLess(abs(places).max(), 0.9, "the stranger's pose is 1 m away on each axis")
 
     def pace(self, seconds):
-        """Seconds of simulation that pass in one by the clock, taken over that many."""
+        """Seconds of simulation per second of wall time, averaged over that many."""
         support.wait_until(lambda last=self.simulated()[0]: self.simulated()[0] > last, lambda: self.log("server"))
         first, start = self.simulated()[0], time.monotonic()
         support.wait_until(lambda: self.simulated()[0] >= first + seconds, lambda: self.log("server"))
         return (self.simulated()[0] - first) / (time.monotonic() - start)
 
-    def test_ten_thousand_commands_a_second_take_nothing_from_the_simulation(self):
+    def test_command_flood_does_not_slow_simulation(self):
         record = self.folder / "a.eti.h5"
         self.serve("--record", record)
         alone = self.pace(2)
@@ -113,7 +113,7 @@ class Strangers(support.Programs):
         flood.kill()
         flood.communicate()
         self.end("server")
-        # The flood lost the simulation all of its time and more. On a single core its sender takes half of it.
+        # The flood used to take all of the simulation's time and more. On a single core its sender takes half of it.
         self.assertGreater(flooded, 0.25 * alone, self.log("server"))
         self.assertLess(self.log("server").count("\n"), 60, self.log("server"))
         with h5py.File(record, "r") as file:

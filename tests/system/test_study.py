@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Studies: sessions in turn, compared as an independent program compares them, rated, asked about, without names."""
+"""Studies: consecutive sessions, compared as by an independent program, rated, with questionnaires, anonymised."""
 
 import csv
 import fcntl
@@ -54,7 +54,7 @@ class Study(support.Case):
         return self.review("study", self.study, "--out", self.out, *arguments, status=status)
 
     def record(self):
-        """One short session, of which others are made."""
+        """Records one short session, from which others are made."""
         file = self.folder / "template.eti.h5"
         done = support.run("eti-server", "--scenario", "term", "--no-dds", "--fast", "--record", file, *SHORT, timeout=300)
         self.assertTrue(file.exists(), done.stderr)
@@ -90,7 +90,7 @@ class Study(support.Case):
         self.assertAlmostEqual(entry["hedges_g"], unbiased * standardised, places=9)
         numpy.testing.assert_allclose(entry["hedges_g_interval"], unbiased * numpy.array(ends), rtol=1e-5, atol=1e-6)
 
-    def test_a_manikin_is_measured_by_its_tools(self):
+    def test_manikin_is_assessed_by_tool_metrics(self):
         file = self.folder / "manikin.eti.h5"
         done = support.run("eti-server", "--scenario", "manikin", "--operator", "oesophageal", "--no-dds", "--fast", "--json",
                            "--record", file, timeout=300)
@@ -106,7 +106,7 @@ class Study(support.Case):
         for name in ("gum_force_n", "glottic_opening_percent"):
             self.assertEqual(parameters[name], {"max": None, "mean": None})
         self.assertIsNone(parameters["oesophageal_entries"])
-        with h5py.File(file) as session:  # the blade is where the hand's device is, to the bit
+        with h5py.File(file) as session:  # the blade is at the hand's device, to the bit
             numpy.testing.assert_array_equal(session["tools/proxy_pose"], session["inputs/laryngoscope_pose"])
             self.assertEqual(numpy.abs(session["tools/shell_force"][:]).max(), 0)
         summary = json.loads(self.review("summary", file, "--json").stdout)
@@ -118,9 +118,9 @@ class Study(support.Case):
         self.assertEqual(again.returncode, 0, again.stderr + again.stdout)
         waits = support.run("eti-server", "--scenario", "manikin", "--operator", "expert", "--no-dds", "--fast", "--steps", 2)
         self.assertIn("stage 'wait beside the mouth': waits for 25 % of the glottis", waits.stderr)
-        self.assertNotIn("lift further", waits.stderr)  # which does not wait
+        self.assertNotIn("lift further", waits.stderr)  # it does not wait
 
-    def test_what_another_has_done_meanwhile_is_not_done_again(self):
+    def test_sessions_done_by_another_runner_are_skipped(self):
         self.run_study("--participant", "P02", *SHORT)
         by_another = self.out.rename(self.folder / "by_another")
         began = subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out, *SHORT],
@@ -140,7 +140,7 @@ class Study(support.Case):
         self.assertNotIn("P02", printed)
         self.assertEqual({row["state"] for row in read_plan(self.out)}, {"done"})
 
-    def test_what_another_records_now_is_left_to_it(self):
+    def test_session_being_recorded_elsewhere_is_skipped(self):
         file = self.out / "one" / "P01.eti.h5"
         file.parent.mkdir(parents=True)
         shutil.copy(self.record(), file)
@@ -155,11 +155,11 @@ class Study(support.Case):
         self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
         self.assertEqual(file.read_bytes(), before)
 
-    def test_a_file_that_another_has_just_made_is_not_put_aside(self):
+    def test_unlocked_new_file_of_another_runner_is_kept(self):
         file = self.out / "one" / "P01.eti.h5"
         file.parent.mkdir(parents=True)
         file.write_bytes(b"its server has not marked it yet")
-        with (self.out / "study.lock").open("w+b") as claim:  # as a study that runs its first session has it
+        with (self.out / "study.lock").open("w+b") as claim:  # as a study running its first session holds it
             fcntl.fcntl(claim, 37, struct.pack("hhqqi", fcntl.F_WRLCK, os.SEEK_SET, 0, 1, 0))  # F_OFD_SETLK
             done = self.run_study(*SHORT)
         self.assertIn("session 1 of 4 (P01, one) is being recorded by another process", done.stderr)
@@ -167,13 +167,13 @@ class Study(support.Case):
         self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
         self.assertEqual(file.read_bytes(), b"its server has not marked it yet")
 
-    def test_a_folder_without_a_lock_is_named(self):
+    def test_unlockable_folder_is_reported(self):
         self.out.mkdir()
         (self.out / "study.lock").mkdir()
         refused = self.run_study(*SHORT, status=1)
         self.assertIn("study.lock: cannot be locked", refused.stderr)
 
-    def test_two_that_begin_at_once_share_the_sessions(self):
+    def test_concurrent_runners_share_the_sessions(self):
         both = [subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out, *SHORT],
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(2)]
         for one in both:
@@ -184,14 +184,14 @@ class Study(support.Case):
         self.assertIn("4 of 4 sessions done", self.run_study().stdout)
         self.assertEqual(list(self.out.glob("*/*.cut-*")), [])
 
-    def test_skill_goes_from_the_study_into_the_file(self):
+    def test_skill_is_recorded_in_session_file(self):
         self.study.write_text(STUDY.replace("no_lift}", "expert, skill: 0.25, skill_to: 0.75, attempts: 2}"))
         self.run_study(*SHORT)
         self.assertEqual([row["skill"] for row in read_plan(self.out)], ["0.25", "0.25", "0.75", "0.75"])
         with h5py.File(self.out / "one" / "P02.eti.h5") as session:
             self.assertEqual(session["meta/more"].attrs.get("operator_skill", None), "0.75")
 
-    def test_a_comparison_is_that_of_scipy(self):
+    def test_comparison_matches_scipy(self):
         random = numpy.random.default_rng(4)
         first, second = random.gamma(9, 1.5, 14), random.gamma(9, 2.0, 11)
         result, time_s = self.compare(
@@ -205,7 +205,7 @@ class Study(support.Case):
         self.assertAlmostEqual(entry["difference"], second.mean() - first.mean(), places=9)
         ends = scipy.stats.bootstrap((first, second), lambda a, b, axis: b.mean(axis) - a.mean(axis), vectorized=True,
                                      n_resamples=100_000, batch=10_000, method="BCa", random_state=1).confidence_interval
-        # The standard error of a quantile of 0.025 among 100,000 draws of a normal distribution is 0.0085 of its
+        # The standard error of a quantile of 0.025 among 100,000 samples of a normal distribution is 0.0085 of its
         # deviation; of two, and four times that.
         error = numpy.sqrt(first.var(ddof=1) / 14 + second.var(ddof=1) / 11)
         numpy.testing.assert_allclose(entry["interval"], ends, atol=4 * 0.0085 * numpy.sqrt(2) * error)
@@ -213,7 +213,7 @@ class Study(support.Case):
         self.assert_effect(entry, (second.mean() - first.mean()) / pooled, numpy.sqrt(14 * 11 / 25), 23)
         self.assertEqual(result["seed"], 1)
 
-    def test_pairs_are_compared_by_participant_as_by_scipy(self):
+    def test_paired_comparison_matches_scipy(self):
         random = numpy.random.default_rng(8)
         before = random.gamma(9, 1.5, 12)
         after = before - random.normal(1, 2, 12)
@@ -231,7 +231,7 @@ class Study(support.Case):
         numpy.testing.assert_allclose(entry["interval"], ends, atol=4 * 0.0085 * numpy.sqrt(2) * error)
         self.assert_effect(entry, change.mean() / change.std(ddof=1), numpy.sqrt(12), 11)
 
-    def test_is_ended_and_gone_on_with(self):
+    def test_interrupted_study_resumes(self):
         self.assertIn("0 of 4 sessions done", self.run_study("--status").stdout)
         self.assertFalse(self.out.exists(), "asking where it is must write nothing")
         first = subprocess.Popen([support.BIN / "eti-review", "study", self.study, "--out", self.out],
@@ -246,7 +246,7 @@ class Study(support.Case):
         self.assertEqual(first.returncode, 130)
         self.assertEqual(len(list(self.out.glob("*/*.cut-1"))), 1)
         self.assertEqual({row["state"] for row in read_plan(self.out)}, {"open"})
-        # A server killed in the midst leaves a file without its end.
+        # A server killed in the middle leaves a file without its end.
         cut = self.out / "one" / "P01.eti.h5"
         cut.write_bytes(b"no session")
         self.assertIn("4 of 4 sessions done", self.run_study(*SHORT).stdout)
@@ -257,7 +257,7 @@ class Study(support.Case):
             with h5py.File(self.out / row["file"]) as session:
                 self.assertEqual(session["meta/more"].attrs["participant"], row["participant"])
                 self.assertEqual(session["meta"].attrs["seed"], int(row["seed"]))
-        # Done is done: nothing runs again.
+        # Finished sessions are not run again.
         before = {file: file.stat().st_mtime_ns for file in self.out.glob("*/*.eti.h5")}
         self.run_study(*SHORT)
         self.assertEqual(before, {file: file.stat().st_mtime_ns for file in self.out.glob("*/*.eti.h5")})
@@ -270,7 +270,7 @@ class Study(support.Case):
         self.assertEqual([row["state"] for row in read_plan(self.out)], ["open", "open", "done", "done"])
         self.assert_refused(self.run_study("--participant", "P99", status=1), "P99", "P01 to P02")
 
-    def test_a_person_is_waited_for(self):
+    def test_human_participant_is_awaited(self):
         self.study.write_text(STUDY.replace("{count: 2, operator: no_lift}", "{count: 1}"))
         done = subprocess.run([support.BIN / "eti-review", "study", self.study, "--out", self.out, "--no-dds", "--fast", *SHORT],
                               input="\nq\n", capture_output=True, text=True, timeout=300)
@@ -278,7 +278,7 @@ class Study(support.Case):
         self.assertIn("P01: condition one (term). Enter begins", done.stdout)
         self.assertIn("1 of 2 sessions done", done.stdout)
 
-    def test_ratings_answers_and_a_copy_without_names(self):
+    def test_ratings_and_answers_survive_anonymised_copy(self):
         file = self.record()
         self.review("rate", file, "--rater", "dr-hopper", "--score", "overall=4", "--score", "lift=2")
         self.review("rate", file, "--rater", "dr-hopper", "--score", "lift=3")
@@ -305,7 +305,7 @@ class Study(support.Case):
             numpy.testing.assert_array_equal(session["tools/proxy_pose"][:], before["tools/proxy_pose"][:])
         self.assert_refused(self.review("anonymise", file, "--out", copy, status=1), "not replaced")
 
-    def test_questions_are_asked_at_the_terminal(self):
+    def test_questionnaire_runs_in_terminal(self):
         file = self.record()
         form = self.folder / "form.yaml"
         form.write_text("name: f\nquestions:\n  - {name: look, ask: 'Looks real?'}\n  - {name: hard, ask: 'Hard?', kind: yes_no}\n")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A display without a screen, and a hand that presses keys and moves the mouse of it."""
+"""A virtual display with synthetic keyboard and mouse input."""
 
 import os
 import subprocess
@@ -8,7 +8,7 @@ import time
 
 
 class VirtualDisplay:
-    """Programs started while it lives open their windows there."""
+    """Programs started during its lifetime open their windows there."""
 
     def __init__(self, width=1280, height=800):
         read, write = os.pipe()
@@ -34,7 +34,7 @@ class VirtualDisplay:
                               env={**os.environ, "DISPLAY": self.name}).stdout
 
     def find(self, title, seconds=60):
-        """The window of that title, which has the keyboard from now on; only one that is mapped can take it."""
+        """The window of that title, with the keyboard focus; only a mapped window can take it."""
         end = time.monotonic() + seconds
         while True:
             found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", title], capture_output=True, text=True, timeout=120,
@@ -53,7 +53,7 @@ class VirtualDisplay:
         return int(said["WIDTH"]), int(said["HEIGHT"])
 
     def key(self, name, held=0.15):
-        """Held for some pictures: what goes down and up between two of them is not seen."""
+        """Holds a key for several pictures: a key pressed and released between two of them is not seen."""
         self._do("keydown", name)
         time.sleep(held)
         self._do("keyup", name)

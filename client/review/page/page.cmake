@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 
-# Bundles the report's page into one file, ETI_REPORT_PAGE. Its packages are fetched once, while configuring, and asked
-# for again only when the lock file changes. Without npm or a network all else builds, and `eti-review report` says what
-# is missing.
+# Bundles the report's page into one file, ETI_REPORT_PAGE. Its packages are downloaded once, while configuring, and
+# again only when the lock file changes. Without npm or a network everything else builds, and `eti-review report` says
+# what is missing.
 set(page ${CMAKE_CURRENT_SOURCE_DIR}/page)
 set(page_build ${CMAKE_CURRENT_BINARY_DIR}/page)
-# The first Node.js on the path may be too old for the bundler; then Debian's.
+# If the first Node.js on the path is too old for the bundler, Debian's is used.
 find_program(ETI_NODE node)
 if(ETI_NODE)
   execute_process(COMMAND ${ETI_NODE} --version OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
@@ -36,7 +36,7 @@ if(ETI_NODE AND ETI_NPM)
     foreach(name package.json package-lock.json .npmrc)
       file(COPY_FILE ${page}/${name} ${page_build}/${name})
     endforeach()
-    # npm runs the first Node.js on the path. Its cache is the user's, unless that cannot be written.
+    # npm runs the first Node.js on the path. Its cache is the user's, unless that is not writable.
     get_filename_component(node_folder ${ETI_NODE} DIRECTORY)
     set(settings "PATH=${node_folder}:$ENV{PATH}")
     eti_writable(writable "$ENV{HOME}/.npm")

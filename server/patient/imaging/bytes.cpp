@@ -9,14 +9,14 @@
 #include <array>
 #include <fstream>
 
-#include "common/process/file_kind.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
+#include "common/process/files/file_kind.hpp"
 #include "server/patient/imaging/volume.hpp"
 
 namespace eti::imaging {
 
 Bytes read_bytes(const std::filesystem::path& file, std::size_t most) {
-    if (const std::string kind = no_plain_file(file); !kind.empty()) {
+    if (const std::string kind = describe_non_regular(file); !kind.empty()) {
         throw VolumeError(fmt::format("{}: {}; expected a file. Remedy: check the path.", file.string(),
                                       kind == "nothing" ? "is not there" : "is " + kind));
     }
@@ -158,11 +158,11 @@ std::vector<float> to_floats(std::span<const std::uint8_t> data, Scalar type, bo
 }
 
 void write_bytes(const std::filesystem::path& file, std::span<const std::uint8_t> data) {
-    if (const std::string kind = in_the_way(file); !kind.empty()) {
+    if (const std::string kind = describe_blocking_entry(file); !kind.empty()) {
         throw VolumeError(fmt::format(
             "{}: is {}; expected a file or a new name. Remedy: choose another name.", file.string(), kind));
     }
-    if (const std::string why = write_whole(file, bytes_of(data)); !why.empty()) {
+    if (const std::string why = write_file_atomically(file, bytes_of(data)); !why.empty()) {
         throw VolumeError(
             fmt::format("{}: could not be written: {}. Remedy: check that the folder exists and is "
                         "writable and that the disk is not full.",

@@ -16,22 +16,23 @@ namespace eti::imaging {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The whole file. Throws VolumeError if it cannot be read, is no plain file, or is larger than `most`.
+/// Reads a whole file. Throws VolumeError if it cannot be read, is not a regular file, or is larger than
+/// `most` [bytes].
 [[nodiscard]] Bytes read_bytes(const std::filesystem::path& file, std::size_t most = std::size_t{5} << 30);
 
-/// Decompresses gzip data up to `most` bytes; more is cut off, and so is what a damaged end leaves out.
-/// Throws VolumeError, beginning with `file`, where the data are damaged before anything came out.
+/// Decompresses gzip data up to `most` bytes; truncates longer data, and data with a damaged end. Throws
+/// VolumeError, starting with `file`, if the data are damaged from the start.
 [[nodiscard]] Bytes gunzip(std::span<const std::uint8_t> data, std::size_t most, const std::string& file);
 [[nodiscard]] Bytes gzip(std::span<const std::uint8_t> data);
 [[nodiscard]] inline bool is_gzip(std::span<const std::uint8_t> data) {
     return data.size() > 2 && data[0] == 0x1f && data[1] == 0x8b;
 }
 
-/// How a scalar is written in a file.
+/// Scalar type in a file.
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 [[nodiscard]] std::size_t size_of(Scalar type);
 
-/// Scalars as floats; `swap` where the file's byte order is not this machine's.
+/// Converts scalars to floats; `swap`: the file's byte order is not the host's.
 [[nodiscard]] std::vector<float> to_floats(std::span<const std::uint8_t> data, Scalar type, bool swap);
 
 template <class T>
@@ -45,7 +46,7 @@ template <class T>
     return value;
 }
 
-/// Appends a scalar in little-endian order, this machine's.
+/// Appends a scalar in little-endian byte order, the host's.
 template <class T>
 void store(Bytes& to, const T& value) {
     static_assert(std::endian::native == std::endian::little);
@@ -53,8 +54,8 @@ void store(Bytes& to, const T& value) {
     to.insert(to.end(), raw, raw + sizeof(T));
 }
 
-/// Writes under a temporary name beside `file` and renames, so that `file` is whole or not there.
-/// Throws VolumeError with the remedy.
+/// Writes to a temporary file beside `file` and renames it, so that `file` is complete or absent. Throws
+/// VolumeError with the remedy.
 void write_bytes(const std::filesystem::path& file, std::span<const std::uint8_t> data);
 void write_text(const std::filesystem::path& file, std::string_view text);
 

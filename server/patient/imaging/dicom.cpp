@@ -19,11 +19,11 @@ namespace eti::imaging {
 
 namespace {
 
-/// One file's image: a slice, or several frames on top of each other.
+/// Image of one file: a slice, or several stacked frames.
 struct Frames {
     std::string file;
     std::string series;
-    Geometry geometry;  ///< the step between frames stands in its third column, zero for a single one
+    Geometry geometry;  ///< third column: step between frames, zero for a single one
     std::vector<float> value;
 };
 
@@ -32,7 +32,7 @@ struct Frames {
     throw VolumeError(fmt::format("{}: DICOM: {}; expected {}. Remedy: {}.", file, found, expected, remedy));
 }
 
-/// A DICOM file begins with 128 free bytes and "DICM" (PS3.10, 7.1).
+/// A DICOM file begins with a preamble of 128 bytes and "DICM" (PS3.10, 7.1).
 bool is_dicom(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::array<char, 132> head{};
@@ -76,8 +76,8 @@ Scalar dicom_scalar(const gdcm::PixelFormat& format, const std::string& file) {
     }
 }
 
-/// Whether the pixels that the file announces are in it: GDCM fills up what is missing. In encapsulated
-/// data a delimiter must follow (PS3.5, 7.1 and A.4).
+/// Whether the file contains all announced pixels: GDCM pads missing ones. Encapsulated data must end with a
+/// delimiter (PS3.5, 7.1 and A.4).
 bool has_all_pixels(const std::filesystem::path& path) {
     const Bytes file = read_bytes(path);
     constexpr std::array<std::uint8_t, 4> tag = {0xe0, 0x7f, 0x10, 0x00};
@@ -102,7 +102,7 @@ bool has_all_pixels(const std::filesystem::path& path) {
     }
 }
 
-/// The numbers of a text, which backslashes part (PS3.5, 6.2, DS); nothing where one is none.
+/// Numbers of a text, separated by backslashes (PS3.5, 6.2, DS); empty if one is malformed.
 std::optional<std::vector<double>> numbers_of(const std::string& text) {
     std::vector<double> out;
     for (std::size_t at = 0; at <= text.size();) {
@@ -121,8 +121,8 @@ std::optional<std::vector<double>> numbers_of(const std::string& text) {
     return out;
 }
 
-/// Refuses spacing and directions that GDCM would replace by 1 mm and the axes without a word. Files of
-/// several frames tell both per frame.
+/// Rejects spacing and directions that GDCM would silently replace by 1 mm and the axes. Multi-frame files
+/// give both per frame.
 void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_frame) {
     const auto read = [&](const gdcm::Tag& tag) -> std::optional<std::vector<double>> {
         const std::string text = element_text(data, tag);
@@ -134,7 +134,7 @@ void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_fra
     };
     const auto shown = [&](const gdcm::Tag& tag) {
         const std::string text = element_text(data, tag);
-        return text.empty() ? "nothing" : fmt::format("'{}'", escaped(text, longest_shown));
+        return text.empty() ? "nothing" : fmt::format("'{}'", escaped(text, max_shown_bytes));
     };
     const gdcm::Tag spacing_tag(0x0028, 0x0030), directions_tag(0x0020, 0x0037);
     if (const auto s = read(spacing_tag); s && (s->size() != 2 || !((*s)[0] > 0.0) || !((*s)[1] > 0.0))) {
@@ -145,7 +145,7 @@ void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_fra
         bool good = d->size() == 6;
         if (good) {
             const Vec3d row((*d)[0], (*d)[1], (*d)[2]), column((*d)[3], (*d)[4], (*d)[5]);
-            // As far from unit and from right angles as scanners round them.
+            // Deviation from unit length and right angles by a scanner's rounding.
             constexpr double rounded = 0.01;
             good = std::abs(row.norm() - 1.0) < rounded && std::abs(column.norm() - 1.0) < rounded &&
                    std::abs(row.dot(column)) < rounded;
@@ -195,7 +195,7 @@ Frames read_file(const std::filesystem::path& path) {
         refuse_dicom(frames.file, "the slice has no place (Image Position Patient)", "one",
                      "export the original slices, not screen captures");
     }
-    // Files round them; lengths are the spacing's to tell.
+    // Files round them; the spacing determines lengths.
     const Vec3d row = Vec3d(cosines[0], cosines[1], cosines[2]).normalized();
     const Vec3d column = Vec3d(cosines[3], cosines[4], cosines[5]).normalized();
     geometry.origin = 1e-3 * Vec3d(origin[0], origin[1], origin[2]);
@@ -203,9 +203,9 @@ Frames read_file(const std::filesystem::path& path) {
     geometry.step.col(1) = 1e-3 * spacing[1] * column;
     geometry.step.col(2) =
         geometry.size[2] > 1 ? Vec3d(1e-3 * spacing[2] * row.cross(column)) : Vec3d::Zero();
-    if (geometry.count() > most_voxels) {
+    if (geometry.count() > max_voxels) {
         refuse_dicom(frames.file, fmt::format("it has {} voxels", geometry.count()),
-                     fmt::format("at most {}", most_voxels), "crop it to head and neck");
+                     fmt::format("at most {}", max_voxels), "crop it to head and neck");
     }
     if (image.GetTransferSyntax() != gdcm::TransferSyntax::ExplicitVRBigEndian && !has_all_pixels(path)) {
         refuse_dicom(frames.file, "the pixels that it announces are not all there", "a whole CT slice",
@@ -238,7 +238,7 @@ Frames read_file(const std::filesystem::path& path) {
     return frames;
 }
 
-/// Puts slices of one series on top of each other.
+/// Stacks the slices of one series.
 Volume stack(std::vector<Frames>& slices, const std::string& folder) {
     const Geometry& first = slices.front().geometry;
     const Vec3d normal = first.step.col(0).cross(first.step.col(1)).normalized();
@@ -303,8 +303,8 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
     for (const auto& file : files) {
         Frames frames = read_file(file);
         voxels += frames.geometry.count();
-        if (voxels > most_voxels) {
-            refuse_dicom(folder.string(), fmt::format("there are more than {} voxels", most_voxels), "fewer",
+        if (voxels > max_voxels) {
+            refuse_dicom(folder.string(), fmt::format("there are more than {} voxels", max_voxels), "fewer",
                          "give one series, cropped to head and neck");
         }
         series[frames.series].push_back(std::move(frames));

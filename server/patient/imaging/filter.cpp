@@ -6,8 +6,8 @@
 #include <cmath>
 #include <queue>
 
-#include "common/mesh/components.hpp"
 #include "server/parallel/loops.hpp"
+#include "server/patient/mesh/components.hpp"
 
 namespace eti::imaging {
 
@@ -36,7 +36,7 @@ void for_each_line(const Size& size, std::size_t axis, const Visit& visit) {
 
 constexpr float far = 1e19f;
 
-/// One line's lower envelope of parabolas, in place.
+/// Lower envelope of parabolas of one line, in place.
 void squared_distances(std::vector<float>& value, std::size_t first, std::size_t stride, std::size_t n) {
     thread_local std::vector<float> line;
     thread_local std::vector<std::size_t> vertex;
@@ -142,7 +142,7 @@ std::vector<float> distance_to(const Size& size, std::span<const std::uint8_t> m
     return squared;
 }
 
-Bits close(const Size& size, std::span<const std::uint8_t> mask, float radius) {
+Bits morphological_close(const Size& size, std::span<const std::uint8_t> mask, float radius) {
     const int pad = static_cast<int>(std::ceil(radius)) + 1;
     const Size wide = {size[0] + 2 * pad, size[1] + 2 * pad, size[2] + 2 * pad};
     const auto at = [&](int x, int y, int z) {
@@ -199,7 +199,7 @@ Watershed watershed(const Size& size, std::span<const std::uint8_t> mask, std::s
                     std::span<const std::uint8_t> markers) {
     struct Entry {
         float height;
-        std::uint64_t order;  // first come, first served among equals
+        std::uint64_t order;  // insertion order breaks ties
         std::size_t voxel;
         bool operator<(const Entry& other) const {
             return height != other.height ? height < other.height : order > other.order;

@@ -101,11 +101,11 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
         if (!good) {
             refuse_project(file, "a size or a spacing in main.plist is no number", "numbers");
         }
-        const bool backwards = k == 1;  // rows run from the back to the nose, against LPS
+        const bool backwards = k == 1;  // rows run from back to nose, against LPS
         volume.geometry.step(static_cast<int>(k), static_cast<int>(k)) =
             (backwards ? -1e-3 : 1e-3) * millimetres;
     }
-    require_sound(volume.geometry, file);
+    require_valid(volume.geometry, file);
     const std::size_t bytes = 2 * volume.geometry.count();
     const auto matrix = entry(tar, name[0]);
     if (!matrix || matrix->size() < bytes) {

@@ -12,16 +12,16 @@ namespace eti::imaging {
 
 namespace {
 
-constexpr float half_band = 4.0f;  // voxels
-constexpr int steps_between = 5;   // fronts move by 2 voxels and stay within the band
+constexpr float half_band = 4.0f;  // [voxels]
+constexpr int steps_between = 5;   // fronts move by at most 2 voxels, within the band
 
-/// The change of phi [m] per unit of time (in which a speed of 1 moves the front by one voxel).
+/// Rate of change of phi [m] per unit of time (in which a speed of 1 moves the front by one voxel).
 float rate(const DistanceGrid& phi, std::size_t i, const std::array<std::size_t, 3>& stride, float speed,
            float curvature) {
     const std::vector<float>& v = phi.value;
     const float h = phi.spacing;
     float grow = 0.0f;    // |grad phi| for a growing front
-    float shrink = 0.0f;  // and for a shrinking one
+    float shrink = 0.0f;  // the same for a shrinking one
     Vec3f central;
     Vec3f second;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -61,13 +61,13 @@ DistanceGrid evolve(DistanceGrid start, std::span<const float> speed, const Leve
     const std::array<std::size_t, 3> stride = {
         1, static_cast<std::size_t>(start.size[0]),
         static_cast<std::size_t>(start.size[0]) * static_cast<std::size_t>(start.size[1])};
-    // Stable for speed 1 and for the curvature's diffusion: dt (1 / h * h + 6 b / h) <= 1.
+    // Stability limit of speed 1 and curvature diffusion: dt (1 / h * h + 6 b / h) <= 1.
     const float step = std::min(0.4f, 1.0f / (1.0f + 6.0f * settings.curvature / h));
     DistanceGrid phi = redistance(start, half_band * h);
     std::vector<std::size_t> band;
     std::vector<float> next;
     int resting = 0;
-    for (int done = 0; done < settings.most_steps && resting < 2; done += steps_between) {
+    for (int done = 0; done < settings.max_steps && resting < 2; done += steps_between) {
         band.clear();
         for (int z = 1; z + 1 < phi.size[2]; ++z) {
             for (int y = 1; y + 1 < phi.size[1]; ++y) {

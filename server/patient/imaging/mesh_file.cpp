@@ -19,9 +19,9 @@ namespace eti::imaging {
 
 namespace {
 
-constexpr std::size_t most_triangles = 20'000'000;
+constexpr std::size_t max_triangles = 20'000'000;
 constexpr float millimetre = 1e-3f;
-constexpr float farthest = 1e5f;  // [mm]; nothing of a patient lies farther from the scanner's middle
+constexpr float farthest = 1e5f;  // [mm]; no part of a patient is farther from the scanner's centre
 
 [[noreturn]] void refuse_mesh(const std::string& name, const std::string& finding,
                               const std::string& expected) {
@@ -30,10 +30,10 @@ constexpr float farthest = 1e5f;  // [mm]; nothing of a patient lies farther fro
                     name, finding, expected));
 }
 
-/// Gathers triangles and makes one vertex of corners at the same place.
-class Gatherer {
+/// Collects triangles and merges coincident corners.
+class MeshBuilder {
   public:
-    explicit Gatherer(const std::string& name) : name_(name) {}
+    explicit MeshBuilder(const std::string& name) : name_(name) {}
     std::uint32_t vertex(const Vec3f& p) {
         if (!p.allFinite() || p.cwiseAbs().maxCoeff() > farthest) {
             refuse_mesh(name_, fmt::format("vertex {} is not a place of a patient", mesh_.vertices.size()),
@@ -48,10 +48,10 @@ class Gatherer {
     }
     void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
         if (a == b || b == c || c == a) {
-            return;  // a needle whose corners fell together
+            return;  // degenerate after merging
         }
-        if (mesh_.triangles.size() >= most_triangles) {
-            refuse_mesh(name_, fmt::format("more than {} triangles", most_triangles), "a smaller surface");
+        if (mesh_.triangles.size() >= max_triangles) {
+            refuse_mesh(name_, fmt::format("more than {} triangles", max_triangles), "a smaller surface");
         }
         mesh_.triangles.push_back({a, b, c});
     }
@@ -78,11 +78,11 @@ class Gatherer {
     TriangleMesh mesh_;
 };
 
-/// Words of a text, with the line they stand in.
-class Words {
+/// Splits a text into words, with line numbers.
+class TokenReader {
   public:
-    Words(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
-    /// The next line's words; false at the end.
+    TokenReader(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
+    /// Reads the next line's words; returns false at the end.
     bool line(std::vector<std::string_view>& words) {
         words.clear();
         if (rest_.empty()) {
@@ -137,8 +137,8 @@ std::string_view text_of(std::span<const std::uint8_t> data) {
 TriangleMesh parse_stl(std::span<const std::uint8_t> data, const std::string& name) {
     constexpr std::size_t head = 84;
     constexpr std::size_t each = 50;
-    Gatherer gather(name);
-    // Binary files may begin with "solid" too: their length tells.
+    MeshBuilder gather(name);
+    // Binary files may begin with "solid", too: their length is decisive.
     if (data.size() >= head) {
         const auto count = static_cast<std::size_t>(load<std::uint32_t>(data.data() + 80, false));
         if (data.size() == head + each * count) {
@@ -159,7 +159,7 @@ TriangleMesh parse_stl(std::span<const std::uint8_t> data, const std::string& na
                         fmt::format("{} bytes", head + each * count));
         }
     }
-    Words words(text_of(data), name);
+    TokenReader words(text_of(data), name);
     std::vector<std::string_view> line;
     std::vector<std::uint32_t> corners;
     while (words.line(line)) {
@@ -183,8 +183,8 @@ TriangleMesh parse_stl(std::span<const std::uint8_t> data, const std::string& na
 }
 
 TriangleMesh parse_obj(std::span<const std::uint8_t> data, const std::string& name) {
-    Gatherer gather(name);
-    Words words(text_of(data), name);
+    MeshBuilder gather(name);
+    TokenReader words(text_of(data), name);
     std::vector<std::string_view> line;
     std::vector<std::uint32_t> vertices, corners;
     while (words.line(line)) {
@@ -236,10 +236,10 @@ Scalar scalar_named(std::string_view word, const std::string& name) {
     return it->second;
 }
 
-/// Values of a PLY body, one after the other, whether text or binary.
-class Values {
+/// Sequential values of a PLY body, text or binary.
+class PlyValueReader {
   public:
-    Values(std::string_view body, bool text, bool swap, const std::string& name)
+    PlyValueReader(std::string_view body, bool text, bool swap, const std::string& name)
         : body_(body), words_(body, name), text_(text), swap_(swap), name_(name) {}
     double next(Scalar type) {
         if (text_) {
@@ -282,7 +282,7 @@ class Values {
         refuse_mesh(name_, "the file ends early", "as many values as its head says");
     }
     std::string_view body_;
-    Words words_;
+    TokenReader words_;
     std::vector<std::string_view> line_;
     std::size_t at_ = 0;
     bool text_, swap_;
@@ -290,7 +290,7 @@ class Values {
 };
 
 TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& name) {
-    Words head(text_of(data), name);
+    TokenReader head(text_of(data), name);
     std::vector<std::string_view> line;
     std::vector<Element> elements;
     bool text = false;
@@ -311,9 +311,9 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
             ras = ras || std::find(line.begin(), line.end(), "SPACE=RAS") != line.end();
         } else if (line[0] == "element" && line.size() > 2) {
             elements.push_back({std::string(line[1]), head.number<std::size_t>(line[2]), {}});
-            if (elements.back().count > 3 * most_triangles) {
+            if (elements.back().count > 3 * max_triangles) {
                 refuse_mesh(name, fmt::format("{} times '{}'", elements.back().count, elements.back().name),
-                            fmt::format("at most {}", 3 * most_triangles));
+                            fmt::format("at most {}", 3 * max_triangles));
             }
         } else if (line[0] == "property" && !elements.empty() && line.size() > 2) {
             Property p;
@@ -331,12 +331,12 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
     if (!whole) {
         refuse_mesh(name, "its head does not end", "'end_header'");
     }
-    Gatherer gather(name);
-    Values values(head.rest(), text, swap, name);
+    MeshBuilder gather(name);
+    PlyValueReader values(head.rest(), text, swap, name);
     std::vector<std::uint32_t> vertices, corners;
     for (const Element& element : elements) {
         if (element.properties.empty()) {
-            continue;  // else a count without content would be walked through
+            continue;  // otherwise an element count without content would loop for long
         }
         for (std::size_t i = 0; i < element.count; ++i) {
             Vec3f place = Vec3f::Zero();
@@ -410,7 +410,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const GuardLimits& lim
             return out;
         },
         name, limits);
-    // A child that was led astray must not lead this process astray too.
+    // The result of a compromised child process is validated, too.
     TriangleMesh mesh;
     const std::uint64_t count = raw.size() >= 8 ? load<std::uint64_t>(raw.data(), false) : 0;
     if (count > raw.size() / 12 || (raw.size() - 8 - 12 * count) % 12 != 0) {

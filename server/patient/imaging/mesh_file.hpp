@@ -11,13 +11,13 @@
 
 namespace eti::imaging {
 
-/// A surface as STL (text or binary), Wavefront OBJ or PLY (text or binary) holds it, in millimetres; corners
-/// at the same place become one vertex, polygons become triangles. LPS, unless a comment says SPACE=RAS, as
-/// 3D Slicer writes it. Throws VolumeError naming file, finding, expectation and remedy. `name` is only
-/// named in errors; its ending tells the format.
+/// Reads a surface from STL (text or binary), Wavefront OBJ or PLY (text or binary), in millimetres.
+/// Coincident corners become one vertex, polygons become triangles. LPS, unless a comment contains SPACE=RAS,
+/// as written by 3D Slicer. `name` is used in errors; its extension selects the format. Throws VolumeError
+/// naming file, finding, expectation and remedy.
 [[nodiscard]] TriangleMesh parse_mesh(std::span<const std::uint8_t> data, const std::string& name);
 
-/// parse_mesh() of a file in a child process with bounded time and memory. [m], LPS.
+/// Runs parse_mesh() on a file in a child process with bounded time and memory. [m], LPS.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path, const GuardLimits& limits = {});
 
 }  // namespace eti::imaging

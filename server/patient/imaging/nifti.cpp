@@ -11,7 +11,7 @@ namespace eti::imaging {
 namespace {
 
 constexpr std::size_t header_bytes = 348;
-constexpr std::size_t data_begin = 352;  // behind four bytes that announce extensions
+constexpr std::size_t data_begin = 352;  // after four bytes that announce extensions
 
 // Offsets into the header (nifti1.h).
 constexpr std::size_t at_dim = 40;
@@ -36,7 +36,7 @@ constexpr std::size_t at_magic = 344;
 
 const Vec3d from_ras(-1, -1, 1);
 
-/// Place and directions: sform before qform, as nifti1.h advises. The file's space is RAS.
+/// Position and directions: sform before qform, as nifti1.h advises. The file's space is RAS.
 Geometry nifti_geometry(const std::uint8_t* header, bool swap, const std::string& file) {
     Geometry geometry;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -123,7 +123,7 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
     }
     Volume volume;
     volume.geometry = nifti_geometry(header, swap, file);
-    require_sound(volume.geometry, file);
+    require_valid(volume.geometry, file);
     static const std::map<int, Scalar> types = {
         {2, Scalar::u8},   {4, Scalar::i16},   {8, Scalar::i32},   {16, Scalar::f32},   {64, Scalar::f64},
         {256, Scalar::i8}, {512, Scalar::u16}, {768, Scalar::u32}, {1024, Scalar::i64}, {1280, Scalar::u64}};
@@ -153,7 +153,7 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
     volume.value = to_floats(data.subspan(begin, bytes), type->second, swap);
     float slope = load<float>(data.data() + at_slope, swap);
     float intercept = load<float>(data.data() + at_intercept, swap);
-    if (slope != 0.0f) {  // 0: values are as they are (nifti1.h)
+    if (slope != 0.0f) {  // 0: unscaled values (nifti1.h)
         for (float& v : volume.value) {
             v = slope * v + intercept;
         }

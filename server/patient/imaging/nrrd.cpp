@@ -14,7 +14,7 @@ namespace eti::imaging {
 
 namespace {
 
-/// The fields of a header, and where the data begin.
+/// Fields of a header, and the offset of the data.
 class Header {
   public:
     Header(std::span<const std::uint8_t> data, const std::string& file) : file_(file) {
@@ -73,7 +73,7 @@ class Header {
         return *value;
     }
 
-    /// The numbers in a field, whatever brackets and commas stand between them.
+    /// The numbers in a field, separated by any brackets and commas.
     [[nodiscard]] std::vector<double> numbers(const std::string& field, const std::string& text,
                                               std::size_t count) const {
         std::vector<double> found;
@@ -151,7 +151,7 @@ Scalar nrrd_scalar(const Header& header) {
     return it->second;
 }
 
-/// Signs that turn the file's space into LPS.
+/// Signs that map the file's space to LPS.
 Vec3d signs_of(const Header& header) {
     const std::string space = header.need("space", "'left-posterior-superior'");
     if (space == "left-posterior-superior" || space == "LPS") {
@@ -213,7 +213,7 @@ Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
     }
     Volume volume;
     volume.geometry = nrrd_geometry(header);
-    require_sound(volume.geometry, file);
+    require_valid(volume.geometry, file);
     const Scalar type = nrrd_scalar(header);
     bool swap = false;
     if (size_of(type) > 1) {

@@ -6,14 +6,14 @@
 
 namespace eti::imaging {
 
-/// An sRGB picture, top row first, three bytes (red, green, blue) a pixel.
+/// An sRGB picture, top row first, three bytes (red, green, blue) per pixel.
 struct Picture {
     int width = 0;
     int height = 0;
     Bytes rgb;
 };
 
-/// The whole PNG file (PNG specification, third edition): 8 bit RGB, not interlaced.
+/// Encodes a whole PNG file (PNG specification, third edition): 8 bit RGB, not interlaced.
 [[nodiscard]] Bytes encode_png(const Picture& picture);
 
 }  // namespace eti::imaging

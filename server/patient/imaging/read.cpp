@@ -6,18 +6,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/process/memory_channel.hpp"
+#include "common/process/files/memfd_pipe.hpp"
 #include "server/patient/imaging/formats.hpp"
 
 namespace eti::imaging {
 
 namespace {
 
-/// What a child process says of a volume.
-class Channel : public MemoryChannel {
+/// Transfers a volume from a child process.
+class Channel : public MemfdPipe {
   public:
-    using MemoryChannel::get;
-    using MemoryChannel::put;
+    using MemfdPipe::get;
+    using MemfdPipe::put;
 
     void put(const Geometry& geometry) const {
         put(geometry.size.data(), sizeof(geometry.size));
@@ -35,7 +35,7 @@ enum Outcome : int { whole = 0, refused = 3 };
 
 int parse_into(const Channel& channel, const std::filesystem::path& path) {
     try {
-        const Reading reading = parse(path);
+        const LoadedVolume reading = parse(path);
         channel.put(reading.volume.geometry);
         channel.put(reading.volume.value.data(), reading.volume.value.size() * sizeof(float));
         const std::size_t remarks = reading.remarks.size();
@@ -55,15 +55,15 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
 }
 
 [[noreturn]] void broken(const std::filesystem::path& path, const std::string& how) {
-    throw VolumeError(damaged(path.string(), how, "a CT volume"));
+    throw VolumeError(damaged_file_message(path.string(), how, "a CT volume"));
 }
 
 }  // namespace
 
-Reading parse(const std::filesystem::path& path) {
+LoadedVolume parse(const std::filesystem::path& path) {
     const std::string name = path.string();
     std::error_code error;
-    Reading reading;
+    LoadedVolume reading;
     if (std::filesystem::is_directory(path, error)) {
         reading.volume = read_dicom(path, reading.remarks);
     } else {
@@ -87,14 +87,14 @@ Reading parse(const std::filesystem::path& path) {
                 name));
         }
     }
-    require_sound(reading.volume.geometry, name);
+    require_valid(reading.volume.geometry, name);
     require_finite(reading.volume, name);
     return reading;
 }
 
-Reading read(const std::filesystem::path& path, const GuardLimits& limits) {
+LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits) {
     const Channel channel;
-    const Guarded ended = run_guarded([&] { return parse_into(channel, path); }, limits);
+    const GuardedResult ended = run_guarded([&] { return parse_into(channel, path); }, limits);
     if (ended.broken) {
         broken(path, *ended.broken);
     }
@@ -106,12 +106,12 @@ Reading read(const std::filesystem::path& path, const GuardLimits& limits) {
         }
         throw VolumeError(finding);
     }
-    Reading reading;
+    LoadedVolume reading;
     std::size_t remarks = 0;
     bool good = channel.get(reading.volume.geometry);
     if (good) {
-        // A child that was led astray must not lead this process astray too.
-        require_sound(reading.volume.geometry, path.string());
+        // The result of a compromised child process is validated, too.
+        require_valid(reading.volume.geometry, path.string());
         reading.volume.value.resize(reading.volume.geometry.count());
         good = channel.get(reading.volume.value.data(), reading.volume.value.size() * sizeof(float)) &&
                channel.get(&remarks, sizeof(remarks)) && remarks < 1000;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float air = -1000.0f;
 
-/// Whether the volume's voxels cover a place given in their numbers.
+/// Whether the volume's voxels cover a position in voxel indices.
 bool covers(const Geometry& g, const Vec3d& at) {
     return (at.array() >= -0.5).all() && at.x() <= g.size[0] - 0.5 && at.y() <= g.size[1] - 0.5 &&
            at.z() <= g.size[2] - 0.5;
@@ -45,7 +45,7 @@ float interpolated(const Volume& volume, const Vec3d& at) {
     return sum;
 }
 
-/// Corners of the box along LPS that holds all voxels' centres.
+/// Corners of the box along LPS around all voxels' centres.
 std::array<Vec3d, 2> box_of(const Geometry& from) {
     Vec3d low = Vec3d::Constant(1e9);
     Vec3d high = -low;
@@ -58,7 +58,7 @@ std::array<Vec3d, 2> box_of(const Geometry& from) {
     return {low, high};
 }
 
-/// A grid of equal spacing along LPS from `low` to `high`.
+/// An isotropic grid along LPS from `low` to `high`.
 Geometry grid_over(const Vec3d& low, const Vec3d& high, double spacing) {
     Geometry grid;
     grid.origin = low;
@@ -72,13 +72,13 @@ Geometry grid_over(const Vec3d& low, const Vec3d& high, double spacing) {
 
 }  // namespace
 
-Volume blocks(const Volume& volume, double spacing) {
+Volume downsampled(const Volume& volume, double spacing) {
     const Geometry& from = volume.geometry;
     const auto [low, high] = box_of(from);
     Volume to{grid_over(low, high, spacing), {}};
     to.value.resize(to.geometry.count());
     const Eigen::Matrix3d back = from.step.inverse();
-    // At most four samples along an axis: 64 halve the noise three times.
+    // At most four samples per axis: 64 halve the noise three times.
     const int samples = std::clamp(static_cast<int>(std::lround(spacing / from.spacing().minCoeff())), 1, 4);
     parallel::for_each(to.geometry.size[2], 1, [&](int z) {
         for (int y = 0; y < to.geometry.size[1]; ++y) {
@@ -104,7 +104,7 @@ Volume blocks(const Volume& volume, double spacing) {
     return to;
 }
 
-Geometry seen_along(const Geometry& geometry, const Eigen::Matrix3d& axes) {
+Geometry reoriented(const Geometry& geometry, const Eigen::Matrix3d& axes) {
     return {geometry.size, axes.transpose() * geometry.origin, axes.transpose() * geometry.step};
 }
 
@@ -127,7 +127,7 @@ std::vector<std::uint8_t> covered(const Geometry& grid, const Geometry& volume) 
     return result;
 }
 
-Volume upright(const Volume& volume, const Geometry& from, std::size_t most) {
+Volume resample_upright(const Volume& volume, const Geometry& from, std::size_t most) {
     const auto [low, high] = box_of(from);
     const Vec3d spacings = from.spacing();
     double spacing = spacings.minCoeff();
@@ -140,7 +140,7 @@ Volume upright(const Volume& volume, const Geometry& from, std::size_t most) {
         return {from, volume.value};
     }
     to.value.resize(to.geometry.count());
-    // Voxels that fall on voxels (turned axes) keep their values to rounding.
+    // Voxels that coincide (permuted axes) keep their values up to rounding.
     const Eigen::Matrix3d back = from.step.inverse();
     parallel::for_each(to.geometry.size[2], 1, [&](int z) {
         for (int y = 0; y < to.geometry.size[1]; ++y) {
@@ -153,7 +153,7 @@ Volume upright(const Volume& volume, const Geometry& from, std::size_t most) {
     return to;
 }
 
-Mask onto(const Geometry& geometry, const Mask& labels) {
+Mask resample_labels(const Geometry& geometry, const Mask& labels) {
     Mask result{geometry, std::vector<std::uint8_t>(geometry.count(), 0)};
     const Eigen::Matrix3d back = labels.geometry.step.inverse();
     parallel::for_each(geometry.size[2], 1, [&](int z) {

@@ -6,30 +6,29 @@
 
 namespace eti::imaging {
 
-/// Where the same voxels lie for one whose left, back and top are the columns of `axes`.
-[[nodiscard]] Geometry seen_along(const Geometry& geometry, const Eigen::Matrix3d& axes);
+/// The geometry of the same voxels in a frame whose left, back and top are the columns of `axes`.
+[[nodiscard]] Geometry reoriented(const Geometry& geometry, const Eigen::Matrix3d& axes);
 
-/// The same volume on a grid whose axes run along LPS with equal spacing, where `geometry` is the volume's
-/// own or that of seen_along(). Axes that already do, but in another order or direction, are turned without
-/// loss; anything else (oblique or sheared axes, unequal spacing) is interpolated trilinearly at the finest
-/// spacing, or a coarser one where the result would have more than `most` voxels. What lies outside the
-/// volume becomes air (-1000 HU).
-[[nodiscard]] Volume upright(const Volume& volume, const Geometry& geometry, std::size_t most);
-[[nodiscard]] inline Volume upright(const Volume& volume, std::size_t most = std::size_t{1} << 26) {
-    return upright(volume, volume.geometry, most);
+/// Resamples a volume to an isotropic grid along LPS; `geometry` is the volume's own or that of reoriented().
+/// Axes that already run along LPS, in any order or direction, are permuted without loss. Anything else
+/// (oblique or sheared axes, anisotropic spacing) is interpolated trilinearly at the finest spacing, or a
+/// coarser one that gives at most `most` voxels. Outside the volume is air (-1000 HU).
+[[nodiscard]] Volume resample_upright(const Volume& volume, const Geometry& geometry, std::size_t most);
+[[nodiscard]] inline Volume resample_upright(const Volume& volume, std::size_t most = std::size_t{1} << 26) {
+    return resample_upright(volume, volume.geometry, most);
 }
 
-/// A grid of equal spacing along LPS, the finest of the geometry's, over all its voxels.
+/// An isotropic grid along LPS, with the geometry's finest spacing, over all its voxels.
 [[nodiscard]] Geometry upright_grid(const Geometry& geometry);
 
-/// Which voxels of `grid` have their centres in the volume.
+/// Marks the voxels of `grid` whose centres are in the volume.
 [[nodiscard]] std::vector<std::uint8_t> covered(const Geometry& grid, const Geometry& volume);
 
-/// The mean over voxels of `spacing` [m] along LPS, of several samples each where the volume's are finer; NaN
-/// where the volume shows less than half of a voxel.
-[[nodiscard]] Volume blocks(const Volume& volume, double spacing);
+/// Downsamples to voxels of `spacing` [m] along LPS: each is the mean of several samples where the volume is
+/// finer; NaN where the volume covers less than half of it.
+[[nodiscard]] Volume downsampled(const Volume& volume, double spacing);
 
-/// Labels on another grid: each voxel takes the label of the nearest voxel, 0 outside.
-[[nodiscard]] Mask onto(const Geometry& geometry, const Mask& labels);
+/// Resamples labels to another grid by nearest neighbour; 0 outside.
+[[nodiscard]] Mask resample_labels(const Geometry& geometry, const Mask& labels);
 
 }  // namespace eti::imaging

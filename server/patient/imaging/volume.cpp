@@ -9,13 +9,13 @@ namespace eti::imaging {
 
 namespace {
 
-// [m] between voxels of a head: a micro-CT's, and what still shows a newborn's airway at all. Beyond them the
-// file means another unit, and radii in millimetres become millions of voxels.
-constexpr double least_spacing = 0.05e-3, most_spacing = 20e-3;
+// [m], voxel spacing in a head: from micro-CT to the coarsest that shows a newborn's airway. Beyond these,
+// the file uses another unit, and radii in millimetres would become millions of voxels.
+constexpr double min_spacing = 0.05e-3, max_spacing = 20e-3;
 
 }  // namespace
 
-void require_sound(const Geometry& geometry, const std::string& file) {
+void require_valid(const Geometry& geometry, const std::string& file) {
     constexpr int least = 4;
     double voxels = 1.0;
     for (const int n : geometry.size) {
@@ -31,25 +31,25 @@ void require_sound(const Geometry& geometry, const std::string& file) {
                             file, sizes, least));
         }
     }
-    if (voxels > static_cast<double>(most_voxels)) {
+    if (voxels > static_cast<double>(max_voxels)) {
         throw VolumeError(
             fmt::format("{}: the volume has {} = {:.3g} voxels; expected at most {}. Remedy: crop it to "
                         "head and neck, or resample it to larger voxels.",
-                        file, sizes, voxels, most_voxels));
+                        file, sizes, voxels, max_voxels));
     }
     const Vec3d spacing = geometry.spacing();
-    if (!geometry.origin.allFinite() || !geometry.step.allFinite() ||
-        !(spacing.minCoeff() >= least_spacing) || !(spacing.maxCoeff() <= most_spacing)) {
+    if (!geometry.origin.allFinite() || !geometry.step.allFinite() || !(spacing.minCoeff() >= min_spacing) ||
+        !(spacing.maxCoeff() <= max_spacing)) {
         throw VolumeError(
             fmt::format("{}: the voxels are {:.4g} x {:.4g} x {:.4g} mm apart; expected {:g} to {:g} mm. "
                         "Remedy: mend spacing and directions in the program that wrote the file{}.",
-                        file, spacing.x() * 1e3, spacing.y() * 1e3, spacing.z() * 1e3, 1e3 * least_spacing,
-                        1e3 * most_spacing,
-                        1e3 * spacing.minCoeff() >= least_spacing && 1e3 * spacing.maxCoeff() <= most_spacing
+                        file, spacing.x() * 1e3, spacing.y() * 1e3, spacing.z() * 1e3, 1e3 * min_spacing,
+                        1e3 * max_spacing,
+                        1e3 * spacing.minCoeff() >= min_spacing && 1e3 * spacing.maxCoeff() <= max_spacing
                             ? "; they seem to be in metres, where millimetres are meant"
                             : ""));
     }
-    // sin of the angles between the axes, all in one: 1 for a right-angled grid, 0 for a flat one.
+    // Product of the sines of the angles between axes: 1 for an orthogonal grid, 0 for a degenerate one.
     const double spanned = geometry.voxel_volume() / spacing.prod();
     if (!(spanned > 0.5)) {
         throw VolumeError(

@@ -14,13 +14,13 @@
 
 namespace eti::imaging {
 
-/// What a person can get wrong about a volume; the message names the file, what was found, what was
-/// expected and the remedy.
+/// An error in a volume that the user can correct; the message names the file, the finding, the expectation
+/// and the remedy.
 class VolumeError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Where the voxels of a volume lie: centre of voxel (i, j, k) = origin + step * (i, j, k).
+/// Position of a volume's voxels: centre of voxel (i, j, k) = origin + step * (i, j, k).
 struct Geometry {
     std::array<int, 3> size{};     ///< voxels along the three index axes, x fastest
     Vec3d origin = Vec3d::Zero();  ///< [m], DICOM LPS
@@ -45,7 +45,7 @@ struct Geometry {
     [[nodiscard]] bool contains(int x, int y, int z) const {
         return x >= 0 && y >= 0 && z >= 0 && x < size[0] && y < size[1] && z < size[2];
     }
-    /// Centre of a voxel [m]; fractions lie between centres.
+    /// Centre of a voxel [m]; fractional indices lie between centres.
     [[nodiscard]] Vec3d point(double x, double y, double z) const { return origin + step * Vec3d(x, y, z); }
     /// The inverse of point().
     [[nodiscard]] Vec3d to_index(const Vec3d& point) const { return step.inverse() * (point - origin); }
@@ -67,13 +67,12 @@ struct Image {
 using Volume = Image<float>;
 using Mask = Image<std::uint8_t>;
 
-/// Most voxels that a volume may have: 1 GiB of floats.
-inline constexpr std::size_t most_voxels = std::size_t{1} << 28;
+/// Maximum number of voxels of a volume: 1 GiB of floats.
+inline constexpr std::size_t max_voxels = std::size_t{1} << 28;
 
-/// Throws VolumeError, which begins with `file`, unless sizes, directions and values are those of a
-/// volume: at least four voxels along each axis and no more than `most_voxels`, directions that span
-/// space, finite values.
-void require_sound(const Geometry& geometry, const std::string& file);
+/// Throws VolumeError, starting with `file`, unless the volume has at least four voxels along each axis and
+/// at most `max_voxels`, linearly independent directions and finite values.
+void require_valid(const Geometry& geometry, const std::string& file);
 void require_finite(const Volume& volume, const std::string& file);
 
 }  // namespace eti::imaging

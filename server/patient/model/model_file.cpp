@@ -8,8 +8,8 @@
 
 #include "common/hdf5/file.hpp"
 #include "common/hdf5/packing.hpp"
-#include "common/process/file_kind.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
+#include "common/process/files/file_kind.hpp"
 
 namespace eti::anatomy {
 
@@ -284,12 +284,12 @@ hdf5::File open_model(const std::filesystem::path& path) {
 }  // namespace
 
 void save_patient(const Patient& patient, const std::filesystem::path& path, const Provenance& provenance) {
-    if (const std::string kind = in_the_way(path); !kind.empty()) {
+    if (const std::string kind = describe_blocking_entry(path); !kind.empty()) {
         throw hdf5::Error(fmt::format("{}: is {}, expected a file or a new name; choose another name",
                                       path.string(), kind));
     }
-    // Two servers may build the same model at once.
-    UnfinishedFile unfinished(path);
+    // Two servers may build the same model concurrently.
+    AtomicFileWriter unfinished(path);
     hdf5::File file = hdf5::File::create(unfinished.path());
     file.root().set_text("kind", file_kind);
     file.root().set_integer("schema", schema);

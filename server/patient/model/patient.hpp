@@ -17,19 +17,18 @@
 
 namespace eti::anatomy {
 
-/// The rigid parts that the skeleton poses. They are the first frames of the model, in this order;
-/// clusters follow.
+/// Rigid bodies of the skeleton. They are the model's first frames, in this order; clusters follow.
 enum class Bone : std::uint8_t { trunk, skull, mandible };
 inline constexpr std::size_t bone_count = 3;
 
-/// The last frames of the model, after clusters, go with the skull and let the cranium grow: to the left,
-/// right, back, front and up. Their rest centres, seen from the origin, are how far each moves per unit of
-/// growth over the built size; a vertex is carried by the skull and by its share of these.
+/// The model's last frames, after the clusters. They move with the skull and let the cranium grow: to the
+/// left, right, back, front and up. Their rest centres, as vectors from the origin, are the displacement per
+/// unit of growth over the built size. A vertex is skinned to the skull and to these.
 inline constexpr std::size_t head_frame_count = 5;
 
-/// The skeleton: two joints, in the rest posture's patient frame.
+/// The skeleton's two joints, in the patient frame of the rest posture.
 struct Skeleton {
-    Vec3f neck_joint = Vec3f::Zero();   ///< [m]; the skull turns about the left-right axis here
+    Vec3f neck_joint = Vec3f::Zero();   ///< [m]; centre of the skull's rotation about the left-right axis
     Vec3f jaw_joint = Vec3f::Zero();    ///< [m]; midpoint of the temporomandibular joints
     float jaw_slide_per_radian = 0.0f;  ///< [m/rad], forward translation of the condyles
 };
@@ -40,7 +39,7 @@ struct Posture {
     float head_elevation = 0.0f;
     float jaw_opening = 0.0f;
     /// Tilt of the table about the patient's left-right axis, positive head-up (reverse Trendelenburg). The
-    /// patient frame tilts with the table: in it, gravity turns and nothing else.
+    /// patient frame tilts with the table: only gravity changes in it.
     float table_angle = 0.0f;
     [[nodiscard]] bool operator==(const Posture&) const = default;
 };
@@ -48,24 +47,24 @@ struct Posture {
 /// Blend weights over the bones; they sum to one.
 using BoneWeights = std::array<float, bone_count>;
 
-/// [kg/m^3], of particles that go in substeps. Four times that of tissue: a hand moves it so slowly that
-/// inertia does not matter, while a contact force comes out right only where the substep resolves
-/// sqrt(mass / stiffness) (docs/decisions/soft-tissue.md).
+/// [kg/m^3], of particles solved in substeps: four times that of tissue. Hands move tissue so slowly that
+/// inertia does not matter, but contact forces are correct only if the substep resolves sqrt(mass /
+/// stiffness) (docs/decisions/soft-tissue.md).
 inline constexpr float tissue_density = 4000.0f;
-/// [kg/m^3], tissue's own: what gravity pulls at, and all of the mass of an implicit tongue.
-inline constexpr float tissue_own_density = 1000.0f;
-/// [1/s], rate at which the particles' velocity decays: the slowest wave of a term newborn's tongue then dies
-/// with 36 ms, about as in models of speech (Stavness et al. 2011, Int J Numer Meth Biomed Eng 27:367; see
+/// [kg/m^3], physical density of tissue: for gravity, and for all mass of an implicit tongue.
+inline constexpr float physical_tissue_density = 1000.0f;
+/// [1/s], decay rate of particle velocity. The slowest wave of a term newborn's tongue then decays with 36
+/// ms, about as in models of speech (Stavness et al. 2011, Int J Numer Meth Biomed Eng 27:367; see
 /// docs/decisions/soft-tissue.md).
 inline constexpr float tissue_damping = 200.0f;
 
-/// Particles of the soft tissue, structure of arrays; all arrays have the same length.
+/// Particles of the soft tissue, as a structure of arrays of equal length [particles].
 struct ParticleSet {
     std::vector<Vec3f> rest;    ///< [m], rest posture
-    std::vector<float> mass;    ///< [kg]; 0 marks a particle that moves with the bones
+    std::vector<float> mass;    ///< [kg]; 0 marks a particle that moves with bone
     std::vector<float> radius;  ///< [m]
     std::vector<Tissue> tissue;
-    std::vector<BoneWeights> bones;  ///< carries the rest shape through posture changes
+    std::vector<BoneWeights> bones;  ///< skins the rest shape to other postures
     [[nodiscard]] std::size_t size() const { return rest.size(); }
 };
 
@@ -81,19 +80,19 @@ struct ClusterSet {
     }
 };
 
-/// The same tissue cut into tetrahedra with particles at their corners: the second way to compute it.
+/// The same tissue as tetrahedra with particles at their corners: the second discretisation.
 struct TetrahedronSet {
     std::vector<std::array<std::uint32_t, 4>> corners;  ///< particle indices, in any orientation
     std::vector<float> youngs_modulus;                  ///< [Pa], one per tetrahedron
 };
 
-/// Pairs held at their rest distance: tongue to mouth floor, hyoepiglottic ligament.
+/// Pairs of particles held at their rest distance: tongue to floor of the mouth, hyoepiglottic ligament.
 struct LinkSet {
     std::vector<std::array<std::uint32_t, 2>> ends;  ///< particle indices
     std::vector<float> stiffness;                    ///< [N/m]
 };
 
-/// The inward offset shell: what stops the laryngoscope's proxy, the tube and the tongue.
+/// The inward offset shell, the collision surface for the laryngoscope's proxy, the tube and the tongue.
 struct Shell {
     TriangleMesh mesh;  ///< rest posture
     std::vector<Tissue> triangle_tissue;
@@ -101,20 +100,20 @@ struct Shell {
     DistanceGrid distance;  ///< rest posture; negative inside the tissue
 };
 
-/// A point with the frames that carry it.
+/// A point skinned to frames.
 struct CarriedPoint {
     Vec3f rest = Vec3f::Zero();
     SkinWeights skin;
 };
 
-/// Everything the server needs of a patient, in the rest posture, patient frame.
+/// Everything that the server needs of a patient, in the rest posture, patient frame.
 struct Patient {
     Skeleton skeleton;
     ParticleSet particles;
     ClusterSet clusters;
     TetrahedronSet tetrahedra;
     LinkSet links;
-    std::vector<Vec3f> frame_rest_centre;  ///< [m]; bones first (Bone order), then clusters, then the head's
+    std::vector<Vec3f> frame_rest_centre;  ///< [m]; [bones | clusters | skull]
     std::vector<Surface> surfaces;         ///< body, tongue, epiglottis, bones
     Shell shell;
     std::array<CarriedPoint, landmark_count> landmarks;
@@ -123,7 +122,7 @@ struct Patient {
     float tissue_stiffness = 8e3f;              ///< [Pa], Young's modulus of tongue and mucosa
 };
 
-/// Where a landmark lies in the rest posture [m].
+/// Position of a landmark in the rest posture [m].
 [[nodiscard]] inline const Vec3f& rest_of(const Patient& patient, Landmark which) {
     return patient.landmarks[static_cast<std::size_t>(which)].rest;
 }

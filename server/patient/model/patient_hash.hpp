@@ -8,7 +8,8 @@
 
 namespace eti::anatomy {
 
-/// FNV-1a over the bits of all that a simulation takes from a patient; names and drawn surfaces are left out.
+/// FNV-1a over the bits of everything that a simulation uses of a patient; names and drawn surfaces are
+/// excluded.
 [[nodiscard]] std::uint64_t hash_of(const Patient& patient);
 
 }  // namespace eti::anatomy

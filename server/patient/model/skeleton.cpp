@@ -9,15 +9,15 @@ namespace eti::anatomy {
 
 Vec3f gravity(float table_angle) {
     constexpr float strength = 9.81f;
-    // Head-up, it pulls towards the feet. Of 0 - 0 rather than -0: a level table leaves no trace in any bit.
+    // Head-up, gravity points towards the feet. 0 - 0 instead of -0: a level table must not change any bit.
     return {0.0f, strength * std::cos(table_angle), 0.0f - strength * std::sin(table_angle)};
 }
 
 BonePoses pose_bones(const Skeleton& skeleton, const Posture& posture) {
     const float elevation = std::clamp(posture.head_elevation, 0.0f, max_head_elevation);
     const float opening = std::clamp(posture.jaw_opening, 0.0f, max_jaw_opening);
-    // Patient frame: x left, y posterior, z superior. Chin-up carries anterior (-y) to superior (+z):
-    // a negative turn about x. Opening carries the chin down: a positive turn.
+    // Patient frame: x left, y posterior, z superior. Chin-up moves anterior (-y) to superior (+z): a
+    // negative rotation about x. Opening moves the chin down: a positive one.
     const RigidTransform skull = RigidTransform::about(skeleton.neck_joint, Vec3f::UnitX(), -elevation);
     RigidTransform jaw = RigidTransform::about(skeleton.jaw_joint, Vec3f::UnitX(), opening);
     jaw.translation.y() -= skeleton.jaw_slide_per_radian * opening;

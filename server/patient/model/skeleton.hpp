@@ -10,17 +10,18 @@
 
 namespace eti::anatomy {
 
-/// [m/s^2], patient frame. On a level table the patient lies on its back: +y is posterior.
+/// [m/s^2], patient frame. On a level table the patient lies supine: +y is posterior.
 [[nodiscard]] Vec3f gravity(float table_angle);
 
 /// Transforms of trunk, skull and mandible from rest to a posture, patient frame.
 using BonePoses = std::array<RigidTransform, bone_count>;
 
-/// The skull turns about the neck joint (positive: chin up); the mandible turns with it and about
-/// the jaw joints, whose condyles slide forward as the mouth opens. Angles are clamped to their ranges.
+/// Poses the bones. The skull rotates about the neck joint (positive: chin up); the mandible follows it and
+/// rotates about the jaw joints, whose condyles slide forward as the mouth opens. Angles are clamped to their
+/// ranges.
 [[nodiscard]] BonePoses pose_bones(const Skeleton& skeleton, const Posture& posture);
 
-/// Linear blend of the bones at a rest point.
+/// Linear blend of the bones' transforms at a rest point.
 [[nodiscard]] inline Vec3f pose_point(const Vec3f& rest, const BoneWeights& weights, const BonePoses& bones) {
     Vec3f sum = Vec3f::Zero();
     for (std::size_t b = 0; b < bone_count; ++b) {
@@ -34,10 +35,10 @@ using BonePoses = std::array<RigidTransform, bone_count>;
 /// Blended rotation of the bones at a point with the given weights.
 [[nodiscard]] Quatf pose_rotation(const BoneWeights& weights, const BonePoses& bones);
 
-/// The bones that carry each of the patient's frames at rest: a cluster's are the mean over its members.
+/// Bone weights of each of the patient's frames at rest: for a cluster, the mean over its members.
 [[nodiscard]] std::vector<BoneWeights> frame_bones(const Patient& patient);
 
-/// The frames in a posture in which nothing presses on the tissue, the cranium as built.
+/// Frames in a posture without load on the tissue, with the cranium as built.
 [[nodiscard]] std::vector<FramePose> posed_frames(const Patient& patient, const BonePoses& bones);
 
 }  // namespace eti::anatomy

@@ -8,7 +8,7 @@ namespace eti::anatomy {
 
 namespace {
 
-constexpr float ligament = 20.0f;  // [N/m], each link of the hyoepiglottic one
+constexpr float ligament = 20.0f;  // [N/m], of each link of the hyoepiglottic ligament
 
 }  // namespace
 
@@ -17,7 +17,7 @@ float youngs_modulus_of(Tissue tissue, float soft) {
         case Tissue::epiglottis:
             return 320e3f;  // elastic cartilage
         case Tissue::larynx:
-            return 32e3f;  // cartilage and cords in one
+            return 32e3f;  // cartilage and cords as one
         default:
             return soft;
     }
@@ -44,7 +44,7 @@ float link_stiffness(const Patient& patient, std::uint32_t link, float soft) {
     if (joins(Tissue::epiglottis) && joins(Tissue::tongue)) {
         return ligament;
     }
-    // What grows out of something is as stiff there as a particle of it: E A / l.
+    // An attachment has the stiffness of a particle there: E A / l.
     const float modulus = joins(Tissue::epiglottis) ? youngs_modulus_of(Tissue::larynx, soft) : soft;
     return modulus * 2.0f * patient.particles.radius[ends[0]];
 }

@@ -8,20 +8,20 @@
 
 namespace eti::anatomy {
 
-// How stiff each part of a model is where tongue and mucosa have Young's modulus `soft` [Pa]. It follows from
-// the parts' tissues and places alone, so that stiffness changes without building a model anew.
+// Stiffness of a model's parts for Young's modulus `soft` [Pa] of tongue and mucosa. It depends on tissue and
+// position only, so that stiffness changes without rebuilding the model.
 
-/// [Pa]; of cartilage the same in every patient.
+/// Young's modulus [Pa]; that of cartilage is the same in every patient.
 [[nodiscard]] float youngs_modulus_of(Tissue tissue, float soft);
-/// [Pa]
+/// Young's modulus [Pa].
 [[nodiscard]] float cluster_modulus(const Patient& patient, std::uint32_t cluster, float soft);
-/// [Pa], mean over the corners.
+/// Young's modulus [Pa]; mean over the corners.
 [[nodiscard]] float tetrahedron_modulus(const Patient& patient, std::uint32_t tetrahedron, float soft);
-/// [N/m]. Between tongue and floor of the mouth a link stands for a column of tissue of one spacing squared:
-/// E h^2 / h.
+/// Stiffness [N/m]. A link between tongue and floor of the mouth represents a column of tissue with a
+/// cross-section of one spacing squared: E h^2 / h.
 [[nodiscard]] float link_stiffness(const Patient& patient, std::uint32_t link, float soft);
 
-/// Gives tongue and mucosa the modulus `soft` [Pa], and all parts what follows from it.
+/// Sets the modulus of tongue and mucosa to `soft` [Pa], and updates all parts accordingly.
 void set_tissue_stiffness(Patient& patient, float soft);
 
 }  // namespace eti::anatomy

@@ -15,15 +15,16 @@ namespace eti::anatomy {
 
 namespace {
 
-// What grows makes room for itself rather than being squeezed out of where it is held: with the solver's 0.45
-// the tongue's back would rise twice as far as that of a newborn built with a larger one, with 0 as far.
+// Growth makes room for itself and is not squeezed out at its attachments. With the solver's 0.45 the
+// tongue's dorsum would rise twice as far as in a newborn built with a larger tongue; with 0 it rises
+// equally.
 constexpr double poisson_ratio = 0.0;
-constexpr float modulus = 1e3f;     // [Pa], any
-constexpr double tolerance = 1e-6;  // of the residual: far below a float's digits in what a mouth measures
+constexpr float modulus = 1e3f;     // [Pa], arbitrary
+constexpr double tolerance = 1e-6;  // relative residual: far below single precision at the scale of a mouth
 constexpr int fixed = -1;
 
 struct System {
-    std::vector<int> unknown;  // by particle: its first one, or `fixed`
+    std::vector<int> unknown;  // [particles]: its first unknown, or `fixed`
     std::vector<Eigen::Triplet<double>> stiffness;
     Eigen::VectorXd load;
 
@@ -39,7 +40,7 @@ struct System {
     }
 };
 
-/// A linear tetrahedron's stiffness, and the load of a unit strain in all directions (of thermal expansion:
+/// A linear tetrahedron's stiffness, and the load of an isotropic unit strain (as in thermal expansion:
 /// Zienkiewicz & Taylor, The Finite Element Method, ch. 6).
 void add_tetrahedron(const Patient& patient, const std::array<std::uint32_t, 4>& corners, System& system) {
     Eigen::Matrix3d edges;
@@ -71,7 +72,7 @@ void add_tetrahedron(const Patient& patient, const std::array<std::uint32_t, 4>&
     }
 }
 
-/// Particles of the tongue that no tetrahedron holds go with the others of their clusters.
+/// Particles of the tongue outside of all tetrahedra move with the others of their clusters.
 void carry_along(const Patient& patient, const std::vector<bool>& solved, std::vector<Vec3f>& displacement) {
     const ClusterSet& clusters = patient.clusters;
     std::vector<Vec3f> sum(displacement.size(), Vec3f::Zero());
@@ -123,7 +124,7 @@ std::vector<Vec3f> tongue_swelling(const Patient& patient) {
     for (const auto& corners : tongue) {
         add_tetrahedron(patient, corners, system);
     }
-    // The floor of the mouth counts as standing still. The ligament does not hold the tongue: it hangs on it.
+    // The floor of the mouth is fixed. The ligament does not hold the tongue, but hangs on it.
     for (std::uint32_t l = 0; l < patient.links.ends.size(); ++l) {
         const auto [a, b] = patient.links.ends[l];
         if (set.tissue[a] == Tissue::epiglottis || set.tissue[b] == Tissue::epiglottis) {

@@ -8,14 +8,14 @@
 
 namespace eti::anatomy {
 
-/// Length over that of the built tongue, beyond which some tetrahedra near the attachments collapse.
-inline constexpr float least_growth = 0.55f, most_growth = 1.5f;
+/// Limits of the tongue's length relative to the built one, beyond which tetrahedra near the attachments
+/// collapse.
+inline constexpr float min_growth = 0.55f, max_growth = 1.5f;
 
-/// Where the tongue's particles go, in the rest posture, when every part of it grows alike: displacement [m]
-/// per unit of growth in length, one per particle of the patient, zero outside the tongue. It is the
-/// equilibrium of a linearly elastic tongue (linear tetrahedra) with that strain in it, held where it
-/// grows from bone and, by its links, to the floor of the mouth; its modulus does not matter. A tenth of a
-/// second.
+/// Growth field of the tongue in the rest posture: displacement [m] per unit of growth in length, one per
+/// particle of the patient, zero outside the tongue. It is the equilibrium of a linearly elastic tongue
+/// (linear tetrahedra) with uniform growth strain, held where it is attached to bone and, by its links, to
+/// the floor of the mouth. Independent of the modulus. Takes a tenth of a second.
 [[nodiscard]] std::vector<Vec3f> tongue_swelling(const Patient& patient);
 
 }  // namespace eti::anatomy

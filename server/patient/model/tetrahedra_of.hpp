@@ -10,8 +10,8 @@
 
 namespace eti::anatomy {
 
-/// Numbers of the patient's tetrahedra all of whose corners are particles of one tissue: of such the solver's
-/// meshes are made.
+/// Indices of the patient's tetrahedra whose corners are all particles of one tissue; the solver's meshes
+/// consist of such.
 [[nodiscard]] inline std::vector<std::uint32_t> tetrahedra_of(Tissue tissue, const Patient& patient) {
     std::vector<std::uint32_t> those;
     for (std::uint32_t t = 0; t < patient.tetrahedra.corners.size(); ++t) {

@@ -8,10 +8,10 @@
 
 namespace eti::anatomy {
 
-Seen Anatomy::seen(const Vec3f& point) const {
+VisibleFields Anatomy::visible_fields(const Vec3f& point) const {
     const Fields f = fields(point);
     const float tongue = std::max(f.tongue, -f.sublingual);
-    // No gap shows between tongue and mouth floor.
+    // Leaves no visible gap between tongue and floor of the mouth.
     const float overlap = 0.5f * scale();
     return {body_field(f, tongue, overlap), tongue, f.epiglottis};
 }
@@ -38,7 +38,7 @@ Tissue Anatomy::lining(const Vec3f& point) const {
     return Tissue::soft;
 }
 
-Tissue Anatomy::seen_tissue(const Vec3f& point) const {
+Tissue Anatomy::visible_tissue(const Vec3f& point) const {
     const Tissue lined = lining(point);
     if (lined != Tissue::larynx) {
         return lined;
@@ -51,7 +51,7 @@ Tissue Anatomy::seen_tissue(const Vec3f& point) const {
 }
 
 std::vector<Vec3f> Anatomy::glottis_contour() const {
-    // In the glottis's plane, found by bisection on the field of what hides it.
+    // In the glottis's plane, by bisection on the field of what covers it.
     constexpr int count = 24;
     const auto points = landmarks();
     const Vec3f centre = at(points, Landmark::glottis);
@@ -63,7 +63,7 @@ std::vector<Vec3f> Anatomy::glottis_contour() const {
         float outside = 4.0f;
         for (int step = 0; step < 20; ++step) {
             const float middle = 0.5f * (inside + outside);
-            (seen(centre + middle * direction).body > 0.0f ? inside : outside) = middle;
+            (visible_fields(centre + middle * direction).body > 0.0f ? inside : outside) = middle;
         }
         contour.push_back(centre + inside * direction);
     }

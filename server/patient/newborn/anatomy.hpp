@@ -12,79 +12,80 @@
 
 namespace eti::anatomy {
 
-/// Implicit fields of a patient at one point, negative inside, in metres.
+/// Implicit fields of a patient at one point [m], negative inside.
 struct Fields {
     float skin = 1.0f;  ///< outline of head, neck and shoulders
     float cavity =
-        1.0f;  ///< mouth, pharynx, larynx, trachea, oesophagus; as if tongue and epiglottis were away
+        1.0f;  ///< mouth, pharynx, larynx, trachea, oesophagus; as if without tongue and epiglottis
     float tongue = 1.0f;
-    /// Gap beneath the tongue's tip with the frenulum left standing, within `tongue`: too flat for particles,
-    /// which fill it, and cut out of what is seen.
+    /// Gap beneath the tongue's tip beside the frenulum, within `tongue`. It is too flat for particles, which
+    /// fill it; the drawn surface excludes it.
     float sublingual = 1.0f;
     float epiglottis = 1.0f;
     float upper_gum = 1.0f, lower_gum = 1.0f;
     float palate = 1.0f;   ///< hard and soft palate with uvula
-    float larynx = 1.0f;   ///< arytenoids, cords, cricoid region (tissue around the laryngeal lumen)
+    float larynx = 1.0f;   ///< arytenoids, vocal cords, cricoid region (tissue around the laryngeal lumen)
     float cricoid = 1.0f;  ///< the cartilage ring within it
     float skull = 1.0f, mandible = 1.0f, spine = 1.0f, hyoid = 1.0f;
 };
 
-/// Outlines of what one looks at, at one point, negative inside, in metres: the organs of Fields, in a detail
-/// that no particle needs to know.
-struct Seen {
-    float body = 1.0f;  ///< skin without mouth and airway; lining, gums, palate and larynx belong to it
+/// Drawn outlines at one point [m], negative inside: the organs of Fields in more detail than particles
+/// resolve.
+struct VisibleFields {
+    float body = 1.0f;  ///< skin without mouth and airway; includes lining, gums, palate and larynx
     float tongue = 1.0f;
     float epiglottis = 1.0f;
-    float cloth = 1.0f;  ///< about the trunk, if there is any
+    float cloth = 1.0f;  ///< around the trunk, if any
 };
 
-/// The body as particles and shell know it, without tongue and epiglottis; the tongue sinks by `overlap` into
-/// the mouth's floor.
+/// The body as particles and shell represent it, without tongue and epiglottis; the tongue overlaps the floor
+/// of the mouth by `overlap`.
 [[nodiscard]] inline float body_field(const Fields& f, float tongue, float overlap) {
     return std::max(f.skin, -std::min(f.cavity, tongue + overlap));
 }
 
-/// What a model is built from: where each organ is, and how the skeleton carries it. Points are in the
-/// patient frame: DICOM LPS, metres, origin at the upper gum's crest.
+/// Source of a model: where each organ is, and how the skeleton moves it. Points are in the patient frame:
+/// DICOM LPS, metres, origin at the upper gum's crest.
 class Anatomy {
   public:
     virtual ~Anatomy() = default;
 
     [[nodiscard]] virtual Fields fields(const Vec3f& point) const = 0;
-    /// What is drawn and what hides the glottis from an eye. Physics takes nothing from it. By default the
-    /// outlines of fields().
-    [[nodiscard]] virtual Seen seen(const Vec3f& point) const;
+    /// Outlines for drawing and for occlusion of the glottis; not used by physics. By default those of
+    /// fields().
+    [[nodiscard]] virtual VisibleFields visible_fields(const Vec3f& point) const;
     [[nodiscard]] virtual Skeleton skeleton() const = 0;
 
-    /// The tissue that lines the body's inside at a point: what a tool meets there.
+    /// Tissue of the body's inner lining at a point, for contact with tools.
     [[nodiscard]] Tissue lining(const Vec3f& point) const;
-    /// The tissue that shows at a point of the body's surface.
-    [[nodiscard]] virtual Tissue seen_tissue(const Vec3f& point) const;
+    /// Tissue that is visible at a point of the body's surface.
+    [[nodiscard]] virtual Tissue visible_tissue(const Vec3f& point) const;
 
-    /// How much of what the epiglottis does a point of the body's or the tongue's surface does, too: 1 on
-    /// folds that hang on it, where they leave the plate, 0 away from them.
-    [[nodiscard]] virtual float hangs_on_epiglottis(const Vec3f& /*point*/) const { return 0.0f; }
+    /// Fraction of the epiglottis's motion that a point of the body's or the tongue's surface follows: 1 on
+    /// folds where they join the plate, 0 far from them.
+    [[nodiscard]] virtual float epiglottis_coupling(const Vec3f& /*point*/) const { return 0.0f; }
 
-    /// How much trunk, skull and mandible carry a point of the given tissue.
+    /// Weights of trunk, skull and mandible for a point of the given tissue.
     [[nodiscard]] virtual BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const = 0;
 
-    /// How a point of skin or skull moves [m] per unit of the cranium's growth over its own size.
+    /// Displacement of a point of skin or skull [m] per unit of the cranium's growth over its own size.
     [[nodiscard]] virtual Vec3f head_growth(const Vec3f& point) const = 0;
 
-    /// The offset shell as a field [m], negative in what holds a tool. It lies within body_field() by what
-    /// gives way before: mucosa over bone hardly does; cords and gullet widen for a tube.
+    /// The offset shell as a field [m], negative inside. It lies within body_field() by the depth that yields
+    /// before a tool is stopped: small for mucosa over bone, large for vocal cords and gullet, which widen
+    /// for a tube.
     [[nodiscard]] virtual float shell_field(const Vec3f& point, const Fields& fields) const = 0;
 
     [[nodiscard]] virtual std::array<Vec3f, landmark_count> landmarks() const = 0;
 
-    /// Corners of the box that holds the head and neck [m].
+    /// Corners [m] of the bounding box of head and neck.
     [[nodiscard]] virtual std::array<Vec3f, 2> bounds() const = 0;
-    /// Corners of the box that is drawn [m].
-    [[nodiscard]] virtual std::array<Vec3f, 2> seen_bounds() const { return bounds(); }
-    /// Corners of the box that holds mouth, pharynx, larynx and trachea [m].
+    /// Corners [m] of the bounding box of drawn surfaces.
+    [[nodiscard]] virtual std::array<Vec3f, 2> visible_bounds() const { return bounds(); }
+    /// Corners [m] of the bounding box of mouth, pharynx, larynx and trachea.
     [[nodiscard]] virtual std::array<Vec3f, 2> airway_bounds() const = 0;
 
-    /// Model coordinates (x left, y anterior, z superior, millimetres of a 3.5 kg term newborn).
+    /// Point in model coordinates (x left, y anterior, z superior, millimetres of a 3.5 kg term newborn).
     [[nodiscard]] virtual Vec3f to_model(const Vec3f& point) const = 0;
     [[nodiscard]] virtual float scale() const = 0;   ///< metres per model millimetre
     [[nodiscard]] virtual float weight() const = 0;  ///< [kg]

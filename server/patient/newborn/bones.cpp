@@ -12,7 +12,7 @@
 namespace eti::anatomy {
 
 float skull_field(const Vec3f& point, float cranium_size) {
-    const Vec3f p = usual_cranium(point, cranium_size);
+    const Vec3f p = to_standard_cranium(point, cranium_size);
     const Vec3f q = mirrored(p);
     const float cranium = ellipsoid(p, {0, -18, 47}, {47, 58, 46});
     float vault = std::max(cranium + 3.0f, -(cranium + 5.6f));
@@ -88,7 +88,7 @@ float spine_field(const Vec3f& p) {
 }
 
 float hyoid_field(const Vec3f& p) {
-    // Body below the tongue's root, before the epiglottis; greater horns beside the pharynx.
+    // Body below the tongue's root, anterior to the epiglottis; greater horns beside the pharynx.
     const Vec3f q = mirrored(p);
     return smooth_union(
         chain(q, {{0, 16.5f, -33.5f}, {6.5f, 14.5f, -33.0f}}, 1.5f, 1.4f),

@@ -9,7 +9,7 @@
 namespace eti::anatomy {
 
 [[nodiscard]] float skull_field(const Vec3f& point, float cranium_size);
-/// In the coordinates of the closed jaw.
+/// `in_jaw`: in the coordinates of the closed jaw.
 [[nodiscard]] float mandible_field(const Vec3f& in_jaw);
 [[nodiscard]] float spine_field(const Vec3f& p);
 [[nodiscard]] float hyoid_field(const Vec3f& p);

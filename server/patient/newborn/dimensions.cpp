@@ -11,14 +11,14 @@
 #include "common/math/units.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/newborn_shape.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 #include "server/patient/model/skeleton.hpp"
 
 namespace eti::anatomy {
 
 namespace {
 
-/// A landmark in a posture, as the bones carry the frames that carry it.
+/// A landmark in a posture, with frames moved by their bones.
 Vec3f posed_landmark(const Patient& patient, Landmark which, const BonePoses& bones) {
     const CarriedPoint& point = patient.landmarks[static_cast<std::size_t>(which)];
     const std::vector<BoneWeights> of_frame = frame_bones(patient);
@@ -57,7 +57,7 @@ double hull_perimeter(std::vector<Eigen::Vector2f> points) {
     return sum;
 }
 
-/// Where the plane z = `height` cuts a mesh's edges.
+/// Intersections of a mesh's edges with the plane z = `height`.
 std::vector<Eigen::Vector2f> cut(const TriangleMesh& mesh, float height) {
     std::vector<Eigen::Vector2f> points;
     for (const Triangle& t : mesh.triangles) {
@@ -73,7 +73,7 @@ std::vector<Eigen::Vector2f> cut(const TriangleMesh& mesh, float height) {
     return points;
 }
 
-/// The greatest circumference [m] of horizontal sections of the head above the ears.
+/// Greatest circumference [m] of horizontal sections of the head above the ears.
 double head_circumference(const Patient& patient, float size) {
     const auto body = std::ranges::find(patient.surfaces, "body", &Surface::name);
     double greatest = 0.0;
@@ -93,7 +93,7 @@ struct Jaw {
     double menton_to_gonia = 0.0;
 };
 
-/// Gonia are each side's farthest points backwards and downwards, menton is the chin's lowest point.
+/// Gonia: the most posterior-inferior point of each side; menton: the chin's lowest point.
 Jaw measure_jaw(const Patient& patient) {
     const auto bone = std::ranges::find(patient.surfaces, "mandible", &Surface::name);
     if (bone == patient.surfaces.end()) {
@@ -114,7 +114,7 @@ Jaw measure_jaw(const Patient& patient) {
             menton = v;
         }
     }
-    // The width is taken on the outside of the angle.
+    // Width between the outer sides of the angles.
     for (const Vec3f& v : bone->mesh.vertices) {
         const std::size_t s = v.x() > 0.0f ? 1 : 0;
         if (std::hypot(v.y() - gonion[s].y(), v.z() - gonion[s].z()) < 5e-3f) {
@@ -126,7 +126,7 @@ Jaw measure_jaw(const Patient& patient) {
     return {static_cast<double>(side[0] + side[1]), static_cast<double>((to - to.dot(line) * line).norm())};
 }
 
-/// Area [m^2] of the lumen about a point, in a horizontal cut.
+/// Area [m^2] of the lumen around a point, in a horizontal section.
 double lumen_area(const Patient& patient, const Vec3f& at) {
     const auto body = std::ranges::find(patient.surfaces, "body", &Surface::name);
     if (body == patient.surfaces.end()) {
@@ -138,7 +138,7 @@ double lumen_area(const Patient& patient, const Vec3f& at) {
         wall.emplace_back(p - at.head<2>());
         nearest = std::min(nearest, wall.back().norm());
     }
-    // The gullet and the neck's skin are cut, too, and lie beyond the wall.
+    // The section also cuts the gullet and the skin of the neck, which lie beyond the wall.
     std::erase_if(wall, [&](const Eigen::Vector2f& d) { return d.norm() > 1.8f * nearest; });
     std::ranges::sort(wall, {}, [](const Eigen::Vector2f& d) { return std::atan2(d.y(), d.x()); });
     double twice = 0.0;
@@ -150,7 +150,7 @@ double lumen_area(const Patient& patient, const Vec3f& at) {
     return 0.5 * twice;
 }
 
-/// [m], of the circle of that area.
+/// Diameter [m] of the circle with that area.
 double diameter_of(double area) {
     return 2.0 * std::sqrt(area / std::numbers::pi);
 }
@@ -170,10 +170,10 @@ float angle_between(const Vec3f& a, const Vec3f& b) {
 AxisAngles angles(const Patient& patient, const Posture& posture) {
     const BonePoses bones = pose_bones(patient.skeleton, posture);
     const auto point = [&](Landmark which) { return posed_landmark(patient, which, bones); };
-    // Adnet et al.: the mouth's axis runs along the hard palate, which is level in the rest posture.
+    // Adnet et al.: the mouth's axis is parallel to the hard palate, which is horizontal in the rest posture.
     const Vec3f mouth = bones[static_cast<std::size_t>(Bone::skull)].rotation * Vec3f(0.0f, 1.0f, 0.0f);
     const Vec3f larynx = point(Landmark::trachea_mid) - point(Landmark::glottis);
-    // Behind the tongue: from the epiglottis's tip to where the gullet begins.
+    // Behind the tongue: from the epiglottis's tip to the entrance of the gullet.
     const Vec3f pharynx = point(Landmark::oesophagus_inlet) - point(Landmark::epiglottis_tip);
     const Vec3f sight = point(Landmark::glottis) - point(Landmark::upper_gum);
     return {angle_between(mouth, pharynx), angle_between(pharynx, larynx), angle_between(sight, larynx)};
@@ -200,7 +200,7 @@ Alignment align_axes(const Patient& patient, float jaw_opening) {
         for (const Vec3f& p : points) {
             spread += 0.25f * (p - mean) * (p - mean).transpose();
         }
-        // What the line of largest spread leaves over.
+        // Residual of the line of largest variance.
         const Eigen::Vector3f left = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(spread).eigenvalues();
         const float off = std::sqrt(std::max(left[0] + left[1], 0.0f));
         if (off < best.off_line) {
@@ -219,12 +219,12 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
         return static_cast<double>((rest_of(patient, a) - rest_of(patient, b)).norm());
     };
     std::vector<Dimension> list;
-    const HeadCircumference head = usual_head_circumference(gestational_age);
+    const HeadCircumference head = mean_head_circumference(gestational_age);
     list.push_back({"head circumference", 1e2 * head_circumference(patient, size), "cm",
                     1e2 * static_cast<double>(head.mean - 2.0f * head.deviation),
                     1e2 * static_cast<double>(head.mean + 2.0f * head.deviation),
                     "Keen & Pearce 1988, Arch Dis Child 63, of the age, 2 SD"});
-    // What was published of term newborns: `power` 1 for lengths, 2 for areas.
+    // Published values of term newborns; `power` 1 for lengths, 2 for areas.
     const auto of_term = [&](const char* name, double value, const char* unit, double low, double high,
                              int power, const std::string& source) {
         const double by = std::pow(grown, power);
@@ -257,7 +257,7 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
     const double subglottis = lumen_area(patient, below);
     of_term("subglottis, diameter", 1e3 * diameter_of(subglottis), "mm", 4.5, 5.0, 1,
             "no published range at hand; usual teaching");
-    // Of all weights from the fifth month to birth together, and so not carried to one.
+    // Pooled over all weights from the fifth month to birth, hence not scaled to one weight.
     list.push_back({"cricoid, area of the lumen", 1e6 * subglottis, "mm^2", 19.27 - 9.62, 19.27 + 9.62,
                     "19 stillborn and newborn of 5-9 months, Ann Otol Rhinol Laryngol 2008;117:774, 1 SD"});
     of_term("trachea, diameter",

@@ -3,17 +3,17 @@
 #pragma once
 
 #include "common/scenario/scenario.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/build/build.hpp"
 
 namespace eti::anatomy {
 
-/// How finely a scenario wants its patient cut. Server and eti-anatomy build alike.
+/// Build settings of a scenario's patient; shared by server and eti-anatomy.
 [[nodiscard]] inline BuildSettings settings_of(const Scenario& scenario) {
     BuildSettings settings;
     settings.spacing = scenario.physics.spacing;
     settings.fine_spacing = scenario.physics.fine_spacing;
     settings.region = scenario.physics.region;
-    settings.tissue_stiffness = scenario.live.tissue_stiffness;
+    settings.tissue_stiffness = scenario.runtime_parameters.tissue_stiffness;
     return settings;
 }
 

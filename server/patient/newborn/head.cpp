@@ -10,14 +10,14 @@ namespace eti::anatomy {
 
 namespace {
 
-/// What a cranium of `size` is wider by, at a height above its floor.
+/// Widening factor of a cranium of `size`, at a height above its floor.
 float cranium_width(float above, float size) {
     return 1.0f + (size - 1.0f) * smoothstep(0.0f, 22.0f, above);
 }
 
 }  // namespace
 
-Vec3f usual_cranium(const Vec3f& p, float size) {
+Vec3f to_standard_cranium(const Vec3f& p, float size) {
     if (size == 1.0f || p.z() <= cranium_floor) {
         return p;
     }
@@ -27,7 +27,7 @@ Vec3f usual_cranium(const Vec3f& p, float size) {
             p.z() - (1.0f - 1.0f / size) * above * above / (above + 12.0f)};
 }
 
-Vec3f sized_cranium(const Vec3f& p, float size) {
+Vec3f to_scaled_cranium(const Vec3f& p, float size) {
     if (p.z() <= cranium_floor) {
         return p;
     }
@@ -40,7 +40,7 @@ Vec3f sized_cranium(const Vec3f& p, float size) {
 }
 
 float skin_field(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
-    const Vec3f p = usual_cranium(point, cranium_size);
+    const Vec3f p = to_standard_cranium(point, cranium_size);
     const Vec3f q = mirrored(p);
     const float cranium = ellipsoid(p, {0, -18, 47}, {47, 58, 46});
     const float socket = ellipsoid(q, {17, 47, 24}, {11, 7, 8});

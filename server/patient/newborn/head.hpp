@@ -8,14 +8,14 @@
 // the 3.5 kg term newborn.
 namespace eti::anatomy {
 
-/// The cranium grows from this height upwards and about this axis; face and airway do not follow it.
+/// Height and axis of the cranium's growth; face and airway do not follow it.
 constexpr float cranium_floor = 26.0f;
 constexpr float cranium_axis_y = -18.0f;
 
-/// From a head whose cranium is `size` times the usual one to the usual head.
-[[nodiscard]] Vec3f usual_cranium(const Vec3f& p, float size);
-/// Back to the head whose cranium is of `size`.
-[[nodiscard]] Vec3f sized_cranium(const Vec3f& p, float size);
+/// Maps a point of a head whose cranium has `size` times the standard size to the standard head.
+[[nodiscard]] Vec3f to_standard_cranium(const Vec3f& p, float size);
+/// The inverse of to_standard_cranium().
+[[nodiscard]] Vec3f to_scaled_cranium(const Vec3f& p, float size);
 
 [[nodiscard]] float skin_field(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
 

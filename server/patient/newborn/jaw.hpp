@@ -7,16 +7,16 @@
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
 
-// How the jaw turns, in the newborn's model coordinates: x left, y anterior, z superior; millimetres of the
-// 3.5 kg term newborn.
+// Kinematics of the jaw in the newborn's model coordinates: x left, y anterior, z superior; millimetres of
+// the 3.5 kg term newborn.
 namespace eti::anatomy {
 
 inline const Vec3f jaw_joint(0.0f, 2.0f, 13.0f);
-/// The mouth is sampled slightly open, so that the lips are apart; posture adds to this.
+/// Jaw opening at which the model is sampled, so that the lips are apart; posture adds to it.
 constexpr float parted_lips_deg = 4.0f;
 constexpr float jaw_slide_per_deg = 0.12f;
 
-/// To the closed jaw's coordinates from where the jaw is open by so much.
+/// Maps a point of the jaw opened by `degrees` to the coordinates of the closed jaw.
 [[nodiscard]] inline Vec3f turn_about_jaw(const Vec3f& p, float degrees) {
     const float c = std::cos(degrees * degree);
     const float s = std::sin(degrees * degree);

@@ -12,7 +12,7 @@ namespace eti::anatomy {
 
 namespace {
 
-// From the carina up to the subglottis, which is round: 4.8 mm across.
+// From the carina to the subglottis, which is circular: 4.8 mm in diameter.
 float tracheal_lumen(const Vec3f& p) {
     return duct(p, {{5.1f, -42, 2.4f, 2.4f},
                     {4.4f, -46, 2.4f, 2.4f},
@@ -25,14 +25,14 @@ float tracheal_lumen(const Vec3f& p) {
 struct LarynxLevel {
     float superior, anterior;  // centre
     float lateral, sagittal;   // semi-axes
-    float taper;               // share by which the width shrinks towards the front
+    float taper;               // fraction by which the width decreases towards the front
 };
 
-// From the vestibule to the subglottis. Nothing is known to us of how far false cords and ventricle of
-// newborns reach; that the false cords leave more room than the true ones, and the ventricle more than
-// either, is their anatomy. The cords are drawn apart as for a tube. From them down to the cricoid the lumen
-// widens sidewards (Litman 2003, Anesthesiology 98:41). Crests lie 3 mm apart, since the surface's grid has
-// nodes every 1 mm.
+// From the vestibule to the subglottis. No measurements of the extent of false cords and ventricle in
+// newborns are known to us; that false cords leave more room than true ones, and the ventricle more than
+// either, is anatomy. The cords are abducted as for a tube. From them to the cricoid the lumen widens
+// sideways (Litman 2003, Anesthesiology 98:41). Crests are 3 mm apart, because the surface's grid has a
+// spacing of 1 mm.
 constexpr std::array<LarynxLevel, 7> larynx_levels = {{{-31.0f, 5.45f, 3.35f, 3.2f, 0.0f},
                                                        {-32.6f, 5.55f, 3.25f, 3.15f, 0.0f},
                                                        {-34.5f, 5.7f, 2.95f, 3.1f, 0.2f},   // false cords
@@ -41,7 +41,7 @@ constexpr std::array<LarynxLevel, 7> larynx_levels = {{{-31.0f, 5.45f, 3.35f, 3.
                                                        {-39.5f, 5.45f, 2.6f, 2.9f, 0.2f},
                                                        {-42.0f, 5.1f, 2.4f, 2.4f, 0.0f}}};
 
-/// Its features are lower than they are wide, so it is no duct, whose segments end in caps.
+/// Not a duct, whose segments end in caps: features of the lumen are lower than they are wide.
 float laryngeal_lumen(const Vec3f& p) {
     const auto* below =
         std::ranges::find_if(larynx_levels.begin() + 1, larynx_levels.end() - 1,
@@ -58,8 +58,8 @@ float laryngeal_lumen(const Vec3f& p) {
     return std::max({across, p.z() - larynx_levels.front().superior, larynx_levels.back().superior - p.z()});
 }
 
-// The signet ring about the subglottis: a low arch in front, a lamina behind that is taller and thicker and
-// reaches up to the arytenoids. Its proportions are ours to choose.
+// The signet ring around the subglottis: a low arch in front, a taller and thicker lamina behind that reaches
+// up to the arytenoids. Proportions are chosen.
 float cricoid_field(const Vec3f& p) {
     const Vec3f off = p - Vec3f(0.0f, 4.9f, 0.0f);
     const float behind = smoothstep(-0.2f, 0.9f, -off.y() / std::max(std::hypot(off.x(), off.y()), 0.1f));
@@ -73,14 +73,14 @@ float cricoid_field(const Vec3f& p) {
 }  // namespace
 
 float epiglottis_field(const Vec3f& p) {
-    // A plate bent over its length and omega-shaped across, as the newborn's is.
+    // A plate curved along its length and omega-shaped across, as in the newborn.
     const Vec3f base(0, 9.8f, -33.5f);
     const Vec3f tip(0, 3.4f, -20.2f);
     const Vec3f axis = (tip - base).normalized();
     const float length = (tip - base).norm();
     const float along = (p - base).dot(axis);
     const float across =
-        (p.y() - base.y()) * -axis.z() + (p.z() - base.z()) * axis.y();  // posterior positive
+        (p.y() - base.y()) * -axis.z() + (p.z() - base.z()) * axis.y();  // positive: posterior
     const float u = std::clamp(along / length, 0.0f, 1.0f);
     const float half_width = 2.2f + 3.0f * std::sin(3.0f * std::min(u * 0.62f + 0.12f, 1.0f));
     const float bend = 0.085f * p.x() * p.x() - 0.5f * std::sin(3.14f * u);
@@ -94,8 +94,8 @@ float epiglottis_field(const Vec3f& p) {
 
 float laryngeal_solid(const Vec3f& p) {
     const Vec3f q = mirrored(p);
-    // The larynx stands in the pharynx; arytenoids and aryepiglottic folds bound its inlet. Behind them a
-    // slit stays free, by which a tube that is pushed blindly finds the gullet.
+    // The larynx protrudes into the pharynx; arytenoids and aryepiglottic folds bound its inlet. Behind them
+    // a slit remains, through which a tube advanced blindly enters the gullet.
     const float arytenoid = ellipsoid(q, {2.9f, 2.2f, -33.4f}, {2.2f, 1.8f, 2.8f});
     const float interarytenoid = ellipsoid(p, {0, 1.5f, -36.2f}, {3.2f, 1.6f, 3.0f});
     const float fold = round_cone(q, {4.6f, 6.2f, -27.2f}, {3.6f, 2.2f, -32.2f}, 0.9f, 1.2f);
@@ -108,7 +108,7 @@ LaryngealFields laryngeal_fields(const Vec3f& p, float solid) {
     const float trachea = tracheal_lumen(p);
     const float bronchi = round_cone(mirrored(p), {0, -3.8f, -87}, {7, -5.2f, -96}, 2.2f, 2.0f);
     const float lumen = std::min({inlet, laryngeal_lumen(p), smooth_union(trachea, bronchi, 1)});
-    // Mucosa and submucosa lie between ring and lumen.
+    // Mucosa and submucosa between ring and lumen.
     const float cricoid = smooth_difference(cricoid_field(p), lumen - 0.3f, 0.3f);
     const float wall = std::min(std::max(smooth_union(trachea - 2.0f, solid, 1), p.z() + 26.0f), cricoid);
     return {lumen, wall, cricoid};

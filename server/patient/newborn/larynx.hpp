@@ -4,8 +4,8 @@
 
 #include "common/math/transform.hpp"
 
-// Shapes of the larynx and windpipe in the newborn's model coordinates: x left, y anterior, z superior;
-// millimetres of the 3.5 kg term newborn.
+// Larynx and trachea in the newborn's model coordinates: x left, y anterior, z superior; millimetres of the
+// 3.5 kg term newborn.
 namespace eti::anatomy {
 
 // The glottis lies at z = -37.5, the carina 50 mm below it (vocal cord to carina 5.04 cm under three months,
@@ -17,7 +17,7 @@ inline const Vec3f carina(0.0f, -3.6f, -87.0f);
 
 [[nodiscard]] float epiglottis_field(const Vec3f& p);
 
-/// Arytenoids, aryepiglottic folds and the body below them, as if without lumen.
+/// Arytenoids, aryepiglottic folds and the body below them, without lumen.
 [[nodiscard]] float laryngeal_solid(const Vec3f& p);
 
 struct LaryngealFields {
@@ -26,7 +26,7 @@ struct LaryngealFields {
     float cricoid;  ///< the ring within the wall
 };
 
-/// `solid`: laryngeal_solid() there.
+/// `solid`: laryngeal_solid() at the point.
 [[nodiscard]] LaryngealFields laryngeal_fields(const Vec3f& p, float solid);
 
 }  // namespace eti::anatomy

@@ -52,9 +52,9 @@ float tongue_shape(const Vec3f& in_jaw, float scale) {
 
 float sublingual_space(const Vec3f& in_jaw) {
     const float space = ellipsoid(in_jaw, {0, 38.6f, -12.2f}, {9, 5, 1.8f});
-    // It holds to the tongue well behind the tip and to the floor, not to the gum's ridge (what Hazelbaker's
-    // tool scores as normal; Amir 2006, Int Breastfeed J 1:3). Thicker than in life: a thinner fold would
-    // fall between the nodes of the surface's grid, 1 mm apart.
+    // It is attached to the tongue well behind the tip and to the floor, not to the gum's ridge (scored as
+    // normal by Hazelbaker's tool; Amir 2006, Int Breastfeed J 1:3). Thicker than in life: a thinner fold
+    // would fall between the nodes of the surface's grid, 1 mm apart.
     const float frenulum =
         std::max(std::fabs(in_jaw.x()) - 0.9f, in_jaw.y() - (37.6f + 0.25f * (-12.2f - in_jaw.z())));
     return smooth_difference(space, frenulum, 0.6f);
@@ -87,7 +87,7 @@ float throat_and_mouth(const Vec3f& p, const Vec3f& in_jaw, float rest_jaw_deg, 
     float mouth = smooth_union(smooth_union(upper, lower, 3), middle, 3);
     mouth = smooth_union(mouth, ellipsoid(p, {0, 10, -12}, {11, 8, 8}), 4);  // fauces
     air = smooth_union(air, mouth, 2);
-    // Vallecula, space before the epiglottis, piriform recesses, hypopharynx, oesophagus.
+    // Vallecula, space anterior to the epiglottis, piriform recesses, hypopharynx, oesophagus.
     air = smooth_union(air, ellipsoid(p, {0, 8.6f, -24.5f}, {7.5f, 3.6f, 6}), 1.5f);
     air = smooth_union(air, ellipsoid(q, {6.3f, 2.6f, -32.5f}, {2.6f, 3.0f, 6.5f}), 1.5f);
     air = smooth_union(air, duct(p, {{2.0f, -28, 8.5f, 2.2f}, {-0.6f, -35, 7, 1.3f}, {-2.4f, -42, 4, 1.1f}}),

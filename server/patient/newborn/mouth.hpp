@@ -18,22 +18,21 @@ struct Gums {
 [[nodiscard]] float hard_palate(const Vec3f& p);
 [[nodiscard]] float soft_palate(const Vec3f& p);
 
-/// From here the tongue grows, and shrinks, to all sides.
+/// Centre of the tongue's growth.
 inline const Vec3f tongue_centre(0, 18, -18);
 [[nodiscard]] float tongue_shape(const Vec3f& in_jaw, float scale);
-//// Between the tip's underside and the floor, from side to side but for the frenulum, which the tongue
-/// keeps.
-/// The tip rests on gum and floor: one sees into this space where the tongue is lifted or cut.
+/// Gap between the underside of the tip and the floor of the mouth, on both sides of the frenulum, which is
+/// part of the tongue. The tip rests on gum and floor: the gap is visible when the tongue is lifted or cut.
 [[nodiscard]] float sublingual_space(const Vec3f& in_jaw);
 
-/// Air of mouth, pharynx and gullet, before palate, gums and larynx are put in.
+/// Air of mouth, pharynx and gullet, before palate, gums and larynx are subtracted.
 [[nodiscard]] float throat_and_mouth(const Vec3f& p, const Vec3f& in_jaw, float rest_jaw_deg,
                                      float mouth_width);
 
 struct Cavities {
     float air, larynx, cricoid;
 };
-/// Lumen of mouth, pharynx, larynx and gullet, and the solid larynx that it runs through.
+/// Lumen of mouth, pharynx, larynx and gullet, and the solid larynx around it.
 [[nodiscard]] Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums,
                                      float rest_jaw_deg, float mouth_width);
 

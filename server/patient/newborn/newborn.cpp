@@ -14,29 +14,29 @@ namespace eti::anatomy {
 
 namespace {
 
-// Model coordinates: x left, y anterior, z superior; millimetres of the 3.5 kg term newborn.
-// Between skull and atlas, where most of the nodding happens.
+// Model coordinates: x left, y anterior, z superior; millimetres of the 3.5 kg term newborn. Between skull
+// and atlas, where most of the flexion takes place.
 const Vec3f neck_joint(0.0f, -12.0f, 2.0f);
 const Vec3f gum_crest(0.0f, 45.5f, -6.9f);
-// How far a tongue can be pressed into the floor of the mouth where nothing firm is nearer.
+// Maximum depth to which a tongue can be pressed into the floor of the mouth where nothing firm is nearer.
 constexpr float soft_floor = 9.0f;
-// How far mucosa over bone gives way.
-constexpr float over_bone = 0.4f;
-// How far from the lower gum bone begins to hold a tool, and does wholly. A jaw gives way to a blade that
-// lies on its ridge. This one does not, and the blade would be a lever between both gums.
-constexpr float held_from = 1.0f, held_wholly = 3.0f;
-// More than the tongue goes into bone.
-constexpr float out_of_bone = 5.0f;
+// Depth to which mucosa over bone yields.
+constexpr float mucosa_over_bone = 0.4f;
+// Distances from the lower gum at which bone starts to be solid to a tool, and is fully so. A real jaw yields
+// to a blade on its ridge. This one does not, and the blade would act as a lever between both gums.
+constexpr float held_from = 1.0f, fully_held_from = 3.0f;
+// Larger than the overlap of tongue and bone.
+constexpr float bone_clearance = 5.0f;
 
-/// The cranium's size against that of an isometrically grown head.
+/// The cranium's size relative to an isometrically scaled head.
 float cranium_of(const NewbornShape& shape) {
-    const float grown = usual_head_circumference(shape.gestational_age).mean /
-                        usual_head_circumference(40.0f).mean / std::cbrt(shape.weight / 3.5f);
+    const float grown = mean_head_circumference(shape.gestational_age).mean /
+                        mean_head_circumference(40.0f).mean / std::cbrt(shape.weight / 3.5f);
     return grown * shape.head_scale;
 }
 
-/// Where the larynx's displacement counts: from the tongue's root to half-way down the trachea, between
-/// spine and chin.
+/// Weight of the larynx's displacement: from the tongue's root to half-way down the trachea, between spine
+/// and chin.
 float laryngeal_share(const Vec3f& p) {
     return (1.0f - smoothstep(-26.0f, -13.0f, p.z())) * smoothstep(-84.0f, -50.0f, p.z()) *
            smoothstep(-11.0f, -3.0f, p.y()) * (1.0f - smoothstep(14.0f, 30.0f, p.y())) *
@@ -47,7 +47,7 @@ float laryngeal_share(const Vec3f& p) {
 
 Newborn::Newborn(const NewbornShape& shape)
     : shape_(shape),
-      // Isometric growth: lengths go with the cube root of weight.
+      // Isometric growth: lengths scale with the cube root of weight.
       scale_(1e-3f * std::cbrt(shape.weight / 3.5f)),
       rest_jaw_deg_(parted_lips_deg + shape.jaw_opening / degree),
       cranium_(cranium_of(shape)),
@@ -61,7 +61,7 @@ Vec3f Newborn::usual_place(const Vec3f& model) const {
     if (larynx_shift_.isZero(0.0f)) {
         return model;
     }
-    // The share changes by less than 1 over the shift's length, so this converges.
+    // Fixed-point iteration; it converges because the share changes by less than 1 over the shift's length.
     Vec3f place = model - laryngeal_share(model) * larynx_shift_;
     for (int round = 0; round < 6; ++round) {
         place = model - laryngeal_share(place) * larynx_shift_;
@@ -86,11 +86,11 @@ Vec3f Newborn::from_jaw(const Vec3f& closed) const {
 }
 
 Vec3f Newborn::to_tongue(const Vec3f& model) const {
-    // The tongue follows the jaw at its tip and stays with the hyoid at its root.
+    // The tongue follows the jaw at its tip, and the hyoid at its root.
     const float follow = 0.95f * smoothstep(6, 34, model.y());
     Vec3f in_jaw = turn_about_jaw(model, rest_jaw_deg_ * follow);
     if (shape_.mandible_scale != 1.0f) {
-        // A short jaw holds the tip back and pushes the root into the throat (glossoptosis).
+        // A short jaw retracts the tip and displaces the root into the throat (glossoptosis).
         const float longer = (in_jaw.y() - jaw_joint.y()) * (1.0f / shape_.mandible_scale - 1.0f);
         const float pushed = 0.25f * (1.0f - shape_.mandible_scale) * (gum_crest.y() - jaw_joint.y());
         in_jaw.y() += follow * longer + (1.0f - follow) * pushed;
@@ -142,7 +142,7 @@ Fields Newborn::fields(const Vec3f& point) const {
     f.upper_gum = gums.upper * scale_;
     f.lower_gum = gums.lower * scale_;
     f.palate = std::min(hard_palate(p), soft_palate(p)) * scale_;
-    // Bone stays a millimetre clear of the lumen: mucosa covers it.
+    // Bone stays a millimetre away from the lumen: mucosa covers it.
     f.skull = std::max(skull_field(p, cranium_), 1.0f - cavities.air) * scale_;
     f.mandible = std::max(mandible_field(in_jaw), 1.0f - cavities.air) * scale_;
     f.spine = std::max(spine_field(p), 1.0f - cavities.air) * scale_;
@@ -156,7 +156,7 @@ Skeleton Newborn::skeleton() const {
 
 BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
     const Vec3f p = to_model(point);
-    // The upper neck bends; the chin reaches lower but belongs to the head.
+    // The upper neck bends; the chin extends lower but belongs to the head.
     const float head = smoothstep(-42, 0, p.z() + 0.8f * std::max(p.y() - 10.0f, 0.0f));
     float jaw = 0.0f;
     switch (tissue) {
@@ -171,8 +171,8 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
             jaw = 0.95f * smoothstep(6, 34, p.y());
             break;
         default: {
-            // Height below the surface half-way between the jaws, as an angle about the jaw joint: sharp
-            // where the mouth parts the tissue, wide where the cheek stretches.
+            // Height below the surface half-way between the jaws, as an angle about the jaw joint: a sharp
+            // transition at the mouth opening, a wide one in the cheek, which stretches.
             const Vec3f half = turn_about_jaw(p, rest_jaw_deg_ * 0.5f);
             const float radius = std::hypot(p.y() - jaw_joint.y(), p.z() - jaw_joint.z());
             const float below = (-6.3f - half.z()) / std::max(radius, 1.0f);
@@ -181,7 +181,7 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
             const float half_width = (14.0f + (0.5f - 14.0f) * parted) * degree;
             jaw = smoothstep(-half_width, half_width, below) *
                   (1.0f - smoothstep(56 * degree, 82 * degree, turned)) * smoothstep(-4, 8, p.y());
-            // The mouth floor goes with the tongue that grows out of it.
+            // The floor of the mouth moves with the tongue attached to it.
             const float floor =
                 (1.0f - smoothstep(1.0f, 8.0f, tongue_field(p))) * (1.0f - smoothstep(-14, -9, p.z()));
             jaw += floor * (0.95f * smoothstep(6, 34, p.y()) - jaw);
@@ -192,29 +192,30 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
 }
 
 Vec3f Newborn::head_growth(const Vec3f& point) const {
-    // Over the range of head_scale, which the growth is not quite straight in.
+    // Difference over the range of head_scale, in which growth is slightly nonlinear.
     constexpr float most = 0.15f;
-    const Vec3f usual = usual_cranium(to_model(point), cranium_);
-    return (from_model(sized_cranium(usual, (1.0f + most) * cranium_)) -
-            from_model(sized_cranium(usual, (1.0f - most) * cranium_))) /
+    const Vec3f usual = to_standard_cranium(to_model(point), cranium_);
+    return (from_model(to_scaled_cranium(usual, (1.0f + most) * cranium_)) -
+            from_model(to_scaled_cranium(usual, (1.0f - most) * cranium_))) /
            (2.0f * most);
 }
 
 float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     const Vec3f p = to_model(point);
-    // The tongue grows from the mandible, and its field goes on within: bone holds a tool there, too.
-    const float ridge = 1.0f - smoothstep(held_from, held_wholly, fields.lower_gum / scale_);
-    const float bone = fields.mandible + scale_ * out_of_bone * ridge;
+    // The tongue is attached to the mandible, and its field continues inside it: bone is solid to a tool
+    // there, too.
+    const float ridge = 1.0f - smoothstep(held_from, fully_held_from, fields.lower_gum / scale_);
+    const float bone = fields.mandible + scale_ * bone_clearance * ridge;
     const float root = std::max(fields.tongue, bone);
-    const float hollow = std::min(fields.cavity, std::max(fields.tongue, scale_ * over_bone - bone));
+    const float hollow = std::min(fields.cavity, std::max(fields.tongue, scale_ * mucosa_over_bone - bone));
     const float bony = std::min({fields.upper_gum, fields.lower_gum, fields.palate, root}) / scale_;
-    float offset = over_bone + 1.1f * smoothstep(0.0f, 2.0f, bony);
-    // Lips are lifted aside.
+    float offset = mucosa_over_bone + 1.1f * smoothstep(0.0f, 2.0f, bony);
+    // Lips are retracted.
     const float lips = smoothstep(45.5f, 49.0f, p.y()) * (1.0f - smoothstep(18.0f, 24.0f, std::fabs(p.x()))) *
                        smoothstep(-26.0f, -20.0f, p.z()) * (1.0f - smoothstep(2.0f, 8.0f, p.z()));
     offset += 5.0f * lips * smoothstep(0.5f, 2.0f, bony);
-    // Floor of the mouth and the tissue before the tongue's root are as soft as the tongue that is pressed
-    // into them: the shell keeps a tongue from mandible and skin, not from them.
+    // The floor of the mouth and the tissue anterior to the tongue's root are as soft as the tongue pressed
+    // into them: the shell keeps a tongue out of mandible and skin, not out of them.
     const Vec3f half = turn_about_jaw(p, rest_jaw_deg_ * 0.5f);
     const float depth = hollow / scale_;
     const float firm = std::min({fields.mandible, fields.skull, fields.spine, fields.lower_gum}) / scale_;
@@ -222,11 +223,11 @@ float Newborn::shell_field(const Vec3f& point, const Fields& fields) const {
     const float floor = smoothstep(2.0f, 8.0f, p.y()) * (1.0f - smoothstep(38.0f, 43.0f, p.y())) *
                         (1.0f - smoothstep(-12.0f, -7.0f, half.z())) * smoothstep(-40.0f, -34.0f, p.z()) *
                         (1.0f - smoothstep(14.0f, 18.0f, fields.tongue / scale_));
-    // The skin over them does not yield, or nothing of the wall would be left.
+    // The skin over them does not yield; otherwise nothing of the wall would remain.
     float skin_offset = (1.0f - floor) * offset;
     offset += floor * std::max(soft - offset, 0.0f);
-    // The cords part for a tube; of trachea and cricoid, whose lamina reaches up behind them, mucosa alone
-    // yields.
+    // The cords yield to a tube. Of trachea and cricoid, whose lamina extends up behind the cords, only
+    // mucosa yields.
     const float laryngeal = 1.0f - smoothstep(0.0f, 1.5f, fields.larynx / scale_);
     const float cords = smoothstep(-43, -40, p.z()) * (1.0f - smoothstep(-35, -31, p.z()));
     const float ring = 1.0f - smoothstep(0.0f, 1.0f, fields.cricoid / scale_);
@@ -246,7 +247,7 @@ std::array<Vec3f, landmark_count> Newborn::landmarks() const {
     set(Landmark::lower_gum, opened({0, 43.5f, -5.8f}));
     set(Landmark::upper_lip, {0, 53.5f, -6.4f});
     set(Landmark::lower_lip, opened({0, 52.5f, -7.0f}));
-    // Half-way between the lips, however far they are apart.
+    // Half-way between the lips at any opening.
     const Vec3f between_lips(0, 53.0f, -8.0f);
     const float wider_deg = rest_jaw_deg_ - parted_lips_deg;
     set(Landmark::mouth_opening,
@@ -268,7 +269,7 @@ std::array<Vec3f, landmark_count> Newborn::landmarks() const {
 }
 
 std::array<Vec3f, 2> Newborn::bounds() const {
-    // Patient frame: posterior is positive, so model maxima of y become minima.
+    // Patient frame: posterior is positive, so maxima of model y become minima.
     const float size = std::max(cranium_, 1.0f);
     const Vec3f a = from_model({-62 * size, 66, -98});
     const Vec3f b = from_model({62 * size, cranium_axis_y - 62 * size, cranium_floor + 72 * size});

@@ -7,23 +7,23 @@
 
 namespace eti::anatomy {
 
-/// The parametric newborn: ellipsoids, capsules and elliptical ducts along mid-sagittal stations,
-/// merged by smooth minima, at rest (lips parted, neck neutral). Proportions follow docs/anatomy/README.md.
+/// The parametric newborn: ellipsoids, capsules and elliptical ducts along mid-sagittal stations, joined by
+/// smooth minima, at rest (lips parted, neck neutral). Proportions follow docs/anatomy/README.md.
 class Newborn final : public Anatomy {
   public:
     explicit Newborn(const NewbornShape& shape);
 
     [[nodiscard]] Fields fields(const Vec3f& point) const override;
-    [[nodiscard]] Seen seen(const Vec3f& point) const override;
-    [[nodiscard]] Tissue seen_tissue(const Vec3f& point) const override;
-    [[nodiscard]] float hangs_on_epiglottis(const Vec3f& point) const override;
+    [[nodiscard]] VisibleFields visible_fields(const Vec3f& point) const override;
+    [[nodiscard]] Tissue visible_tissue(const Vec3f& point) const override;
+    [[nodiscard]] float epiglottis_coupling(const Vec3f& point) const override;
     [[nodiscard]] Skeleton skeleton() const override;
     [[nodiscard]] BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override;
     [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override;
     [[nodiscard]] float shell_field(const Vec3f& point, const Fields& fields) const override;
     [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override;
     [[nodiscard]] std::array<Vec3f, 2> bounds() const override;
-    [[nodiscard]] std::array<Vec3f, 2> seen_bounds() const override;
+    [[nodiscard]] std::array<Vec3f, 2> visible_bounds() const override;
     [[nodiscard]] std::array<Vec3f, 2> airway_bounds() const override;
     [[nodiscard]] Vec3f to_model(const Vec3f& point) const override;
     [[nodiscard]] Vec3f from_model(const Vec3f& point) const;
@@ -31,22 +31,22 @@ class Newborn final : public Anatomy {
     [[nodiscard]] float weight() const override { return shape_.weight; }
 
   private:
-    /// From this newborn's model coordinates to those of the usual newborn and back, where the larynx lies
+    /// Map between this newborn's model coordinates and those of the standard newborn, whose larynx lies
     /// elsewhere.
     [[nodiscard]] Vec3f usual_place(const Vec3f& model) const;
     [[nodiscard]] Vec3f own_place(const Vec3f& model) const;
-    /// The closed jaw's coordinates, and back.
+    /// Map to the closed jaw's coordinates, and back.
     [[nodiscard]] Vec3f to_jaw(const Vec3f& model) const;
     [[nodiscard]] Vec3f from_jaw(const Vec3f& closed) const;
-    /// Coordinates in which the tongue is that of a closed usual jaw.
+    /// Maps to coordinates in which the tongue is that of a standard closed jaw.
     [[nodiscard]] Vec3f to_tongue(const Vec3f& model) const;
     [[nodiscard]] float tongue_field(const Vec3f& model) const;
     [[nodiscard]] Vec3f tongue_dorsum() const;
 
     NewbornShape shape_;
     float scale_;
-    float rest_jaw_deg_;  // turn of the modelled jaw from closed
-    float cranium_;       // size against the face, 1 at term
+    float rest_jaw_deg_;  // opening of the modelled jaw
+    float cranium_;       // size relative to the face; 1 at term
     Vec3f larynx_shift_;  // [mm of a 3.5 kg newborn], x left, y anterior, z superior
 };
 

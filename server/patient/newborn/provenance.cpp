@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/math/units.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/build/build.hpp"
 
 namespace eti::anatomy {
 
@@ -29,7 +29,7 @@ Provenance provenance_of(const BuildSettings& settings) {
             {"shell_triangles", fmt::format("{}", settings.shell_triangles)}};
 }
 
-Provenance form_of(Provenance provenance) {
+Provenance surface_provenance(Provenance provenance) {
     for (const char* const of_particles :
          {"spacing_m", "fine_spacing_m", "region_m", "tissue_stiffness_pa"}) {
         provenance.erase(of_particles);

@@ -10,8 +10,8 @@
 #include "common/math/smoothstep.hpp"
 #include "common/math/transform.hpp"
 
-// Implicit shapes: negative inside, roughly the distance near the surface. Units are whatever the
-// caller uses throughout (the newborn model: millimetres).
+// Implicit shapes: negative inside, approximately the distance near the surface. Units are the caller's, used
+// consistently (the newborn model: millimetres).
 namespace eti::anatomy {
 
 /// Union with a fillet of width k (polynomial smooth minimum, Quilez).
@@ -38,14 +38,14 @@ namespace eti::anatomy {
     return k1 > 1e-9f ? k0 * (k0 - 1.0f) / k1 : -radii.minCoeff();
 }
 
-/// A capsule whose radius runs linearly from ra at a to rb at b.
+/// A capsule whose radius varies linearly from ra at a to rb at b.
 [[nodiscard]] inline float round_cone(const Vec3f& p, const Vec3f& a, const Vec3f& b, float ra, float rb) {
     const Vec3f d = b - a;
     const float t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0f, 1.0f);
     return (p - a - d * t).norm() - (ra + (rb - ra) * t);
 }
 
-/// A chain of capsules; radius runs linearly from r0 at the first point to r1 at the last.
+/// A chain of capsules; the radius varies linearly from r0 at the first point to r1 at the last.
 [[nodiscard]] inline float chain(const Vec3f& p, std::span<const Vec3f> points, float r0, float r1) {
     float best = 1e9f;
     const auto last = static_cast<float>(points.size() - 1);
@@ -57,13 +57,13 @@ namespace eti::anatomy {
     return best;
 }
 
-/// A station of a duct whose axis lies in the mid-sagittal plane.
+/// A station of a duct with a mid-sagittal axis.
 struct Station {
     float anterior, superior;  ///< axis point
     float lateral, sagittal;   ///< semi-axes of the elliptical section
 };
 
-/// A duct through stations with elliptical sections.
+/// A duct with elliptical sections through stations.
 [[nodiscard]] float duct(const Vec3f& p, std::span<const Station> stations);
 
 [[nodiscard]] inline float chain(const Vec3f& p, std::initializer_list<Vec3f> points, float r0, float r1) {
@@ -74,7 +74,7 @@ struct Station {
     return duct(p, std::span(stations.begin(), stations.size()));
 }
 
-/// To the left half, for what is the same on both sides.
+/// Mirrors a point to the left half, for symmetric shapes.
 [[nodiscard]] inline Vec3f mirrored(const Vec3f& p) {
     return {std::fabs(p.x()), p.y(), p.z()};
 }

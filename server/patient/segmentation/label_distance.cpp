@@ -45,8 +45,8 @@ imaging::Mask upright_labels(const imaging::Mask& labels, double finest, const B
         to.size[static_cast<std::size_t>(k)] =
             std::max(4, static_cast<int>(std::floor((high[k] - low[k]) / spacing + 1e-6)) + 1);
     }
-    imaging::require_sound(to, "labels");
-    return imaging::onto(to, labels);
+    imaging::require_valid(to, "labels");
+    return imaging::resample_labels(to, labels);
 }
 
 DistanceGrid distance_of(const Geometry& geometry, const Bits& member) {

@@ -11,7 +11,7 @@
 
 namespace eti::segmentation {
 
-/// Which voxels have one of the labels.
+/// Mask of the voxels with one of the labels.
 [[nodiscard]] imaging::Bits select(const imaging::Mask& labels, std::initializer_list<Label> which);
 
 /// Corners [m] of a box along LPS.
@@ -23,14 +23,14 @@ struct Box {
     }
 };
 
-/// Labels on a grid along LPS whose spacing is equal and at least `finest` [m]; only what lies in `part`,
-/// where one is given.
+/// Labels on an isotropic grid along LPS with a spacing of at least `finest` [m]; restricted to `part`, if
+/// given.
 [[nodiscard]] imaging::Mask upright_labels(const imaging::Mask& labels, double finest,
                                            const Box* part = nullptr);
 
-/// Signed distances [m] to a structure's surface, negative inside, in the volume's frame. The surface runs
-/// half-way through the mask blurred by 0.8 voxels; near it distances are exact, farther away they go
-/// from voxel to voxel. The grid is one of equal spacing along LPS.
+/// Signed distances [m] to a structure's surface, negative inside, in the volume's frame. The surface is the
+/// half-level set of the mask blurred by 0.8 voxels. Distances are exact near it; farther away they are
+/// propagated from voxel to voxel. The grid must be isotropic and along LPS.
 [[nodiscard]] DistanceGrid distance_of(const imaging::Geometry& geometry, const imaging::Bits& member);
 
 }  // namespace eti::segmentation

@@ -18,27 +18,28 @@ namespace {
 using anatomy::Fields;
 using imaging::Bits;
 
-// [m]; finer labels cost time and show nothing more of a newborn: of outline and bone, and of the airway.
+// [m], grids for outline and bone, and for the airway; finer ones cost time and show nothing more of a
+// newborn.
 constexpr double coarse_label_spacing = 1.0e-3;
 constexpr double finest = 0.5e-3;
-// [m]; a newborn's surfaces that lie farther off on average are not this patient's.
-constexpr double most_off = 4e-3;
+// [m], largest mean distance between a newborn's surfaces and the labels for a registration to be accepted.
+constexpr double max_off = 4e-3;
 
 anatomy::Newborn newborn_of(const Registration& found) {
     NewbornShape shape;
     shape.weight = found.weight;
-    shape.gestational_age = usual_gestational_age(found.weight);
+    shape.gestational_age = median_gestational_age(found.weight);
     return anatomy::Newborn(shape);
 }
 
 Registration checked(const Registration& found) {
     const ShapeField& weight = shape_fields[0];
-    if (found.off > most_off) {
+    if (found.off > max_off) {
         throw imaging::VolumeError(fmt::format(
             "a newborn's airway and jaw lie {:.1f} mm off the labels' on average; expected at "
             "most {:.1f}. Remedy: "
             "see that the labels are numbered as docs/anatomy/segment.md says and that left is left",
-            1e3 * found.off, 1e3 * most_off));
+            1e3 * found.off, 1e3 * max_off));
     }
     if (found.weight < 0.8f * weight.low || found.weight > 1.5f * weight.high) {
         throw imaging::VolumeError(
@@ -64,10 +65,10 @@ void find_distances(const imaging::Geometry& geometry, const std::vector<Wanted>
 
 LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points& given,
                                  const Progress& progress)
-    : registration_(checked(lay_newborn_over(given_labels))), newborn_(newborn_of(registration_)) {
+    : registration_(checked(register_newborn(given_labels))), newborn_(newborn_of(registration_)) {
     const auto tell = [&](float share, const char* what) {
         if (!progress(share, what)) {
-            throw Stopped();
+            throw CancelledError();
         }
     };
     tell(0.3f, "distances to skin and bone");
@@ -81,12 +82,12 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
         const bool any_spine = std::find(spine.begin(), spine.end(), 1) != spine.end();
         for (std::size_t i = 0; i < inside.size(); ++i) {
             const auto label = static_cast<Label>(labels.value[i]);
-            // Air in nose, mouth and throat belongs to the body's outline; cavity takes it out again.
+            // Air in nose, mouth and throat is part of the body's outline; the cavity is subtracted later.
             inside[i] = label == Label::outside ? 0 : 1;
             if (label != Label::bone) {
                 continue;
             }
-            // Bone without a name is skull, unless it lies at the hyoid or is a vertebra's thin arch.
+            // Unnamed bone is skull, unless it is at the hyoid or is a thin vertebral arch.
             const auto [x, y, z] = g.coordinates(i);
             const Fields usual = newborn_.fields(back * g.point(x, y, z).cast<float>());
             const float near = 3e-3f * newborn_.scale() / millimetre;
@@ -127,7 +128,7 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
     } else {
         remarks_.push_back("no label of the tongue: a newborn's was put in its place");
     }
-    // The plate is about 1.6 mm thick at term: two voxels across it, or its own shape is lost.
+    // The plate is about 1.6 mm thick at term: its shape needs two voxels across it.
     const double thickness = 1.6e-3 * static_cast<double>(size);
     if (voxels(Label::epiglottis) > 0 && given_labels.geometry.spacing().maxCoeff() <= 0.5 * thickness) {
         wanted.push_back({epiglottis_.emplace(), select(labels, {Label::epiglottis})});
@@ -152,7 +153,7 @@ void LabelledAnatomy::require_larynx(const imaging::Mask& labels) const {
             g.contains(static_cast<int>(std::lround(index.x())), static_cast<int>(std::lround(index.y())),
                        static_cast<int>(std::lround(index.z())));
         if (!in || airway_.distance(place) > 3e-3f * size) {
-            throw NoLarynx(
+            throw NoLarynxError(
                 fmt::format("the labels show no larynx: {} would lie at ({:.0f}, {:.0f}, {:.0f}) mm, {}; "
                             "none is invented",
                             which == Landmark::glottis ? "the glottis" : "the trachea", 1e3f * place.x(),
@@ -171,7 +172,7 @@ void LabelledAnatomy::place_landmarks(const Points& given) {
             landmarks_[i] = back * it->second.front().cast<float>();
         }
     }
-    // The centre of the lumen near where the newborn has its own: the contour starts there.
+    // The centre of the lumen near that of the newborn: the contour starts there.
     for (const Landmark which : {Landmark::glottis, Landmark::trachea_mid, Landmark::carina}) {
         if (given.contains(std::string(landmark_names[static_cast<std::size_t>(which)]))) {
             continue;
@@ -183,7 +184,7 @@ void LabelledAnatomy::place_landmarks(const Points& given) {
             for (int x = -4; x <= 4; ++x) {
                 const Vec3f there = place + step * Vec3f(static_cast<float>(x), static_cast<float>(y), 0.0f);
                 const auto off = [&](const Vec3f& p) {
-                    // Off the usual place by a millimetre only for a tenth of a millimetre more room.
+                    // A displacement of a millimetre must gain at least a tenth of a millimetre of distance.
                     return fields(p).cavity + 0.1f * (p - place).norm();
                 };
                 if (off(there) < off(best)) {
@@ -192,7 +193,7 @@ void LabelledAnatomy::place_landmarks(const Points& given) {
             }
         }
         if (fields(best).cavity >= 0.0f) {
-            throw NoLarynx(
+            throw NoLarynxError(
                 fmt::format("the airway is closed at the {}; expected a lumen there. Remedy: correct "
                             "the label of the airway, or give the landmark",
                             landmark_names[static_cast<std::size_t>(which)]));
@@ -218,12 +219,12 @@ Fields LabelledAnatomy::fields(const Vec3f& point) const {
     f.tongue = tongue_ ? tongue_->distance(place) : usual.tongue;
     f.epiglottis = epiglottis_ ? epiglottis_->distance(place) : usual.epiglottis;
     const float away = airway_.distance(place);
-    // Unlabelled, the plate was taken for soft tissue: it is cut out with room for its being elsewhere.
+    // An unlabelled plate was classified as soft tissue: it is cut out, with a margin for its position.
     const float plate = epiglottis_ ? f.epiglottis : f.epiglottis - 1.2f * scale;
-    // What a segmentation leaves between tongue and air is a rind of the tongue, not of the body.
+    // A rim that the segmentation leaves between tongue and air belongs to the tongue, not to the body.
     const float rind = std::max({f.tongue - 2.0f * scale, -away, usual.cavity + 0.5f * scale, -plate});
     f.tongue = std::min(f.tongue, rind);
-    // The cavity is as if tongue and epiglottis were away: which part of them lies in it, CT does not show.
+    // The cavity is as if without tongue and epiglottis: CT does not show which part of them lies in it.
     // Steeper than a distance, so that only their very surface counts as the cavity's border.
     f.cavity = std::min(away, std::max(4.0f * std::min(f.tongue, plate), usual.cavity));
     // A collapsed gullet is not air.
@@ -237,7 +238,7 @@ Fields LabelledAnatomy::fields(const Vec3f& point) const {
     f.palate = usual.palate;
     f.larynx = usual.larynx;
     f.cricoid = usual.cricoid;
-    // Bone stays clear of the lumen, as in the newborn.
+    // Bone stays away from the lumen, as in the newborn.
     const float clear = scale - f.cavity;
     f.skull = std::max(skull_.distance(place), clear);
     f.mandible = std::max(mandible_.distance(place), clear);

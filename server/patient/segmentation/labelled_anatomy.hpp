@@ -11,18 +11,19 @@
 #include "server/patient/imaging/volume.hpp"
 #include "server/patient/newborn/newborn.hpp"
 #include "server/patient/segmentation/labels.hpp"
-#include "server/patient/segmentation/registration.hpp"
+#include "server/patient/segmentation/placement/registration.hpp"
 
 namespace eti::segmentation {
 
-/// A patient as labels show it. Skin, airway, tongue, skull, mandible and spine are the labels' own, as
-/// signed distances. What a CT does not show (gums, palate's mucosa, the border of larynx and epiglottis, the
-/// collapsed gullet, joints and how the skeleton carries tissue) is that of the parametric newborn, laid over
-/// the labels. The patient frame is the newborn's.
+/// A patient from labels. Skin, airway, tongue, skull, mandible and spine are signed distances of the labels.
+/// What a CT does not show (gums, palatal mucosa, the border of larynx and epiglottis, the collapsed gullet,
+/// joints and bone weights) comes from the parametric newborn registered to the labels. The patient frame is
+/// the newborn's.
 class LabelledAnatomy final : public anatomy::Anatomy {
   public:
-    /// `given` places landmarks (common/model/landmark.hpp) by hand, in the volume's frame. Throws NoLarynx
-    /// where the labels end above it, VolumeError where they are no newborn's head and neck, Stopped.
+    /// `given` sets landmarks (common/model/landmark.hpp) manually, in the volume's frame. Throws
+    /// NoLarynxError if the labels end above the larynx, VolumeError if they are not a newborn's head and
+    /// neck, CancelledError.
     LabelledAnatomy(const imaging::Mask& labels, const Points& given, const Progress& progress);
 
     [[nodiscard]] anatomy::Fields fields(const Vec3f& point) const override;
@@ -41,9 +42,9 @@ class LabelledAnatomy final : public anatomy::Anatomy {
     [[nodiscard]] float scale() const override { return newborn_.scale(); }
     [[nodiscard]] float weight() const override { return newborn_.weight(); }
 
-    /// Where the patient frame lies in the volume.
+    /// Pose of the patient frame in the volume.
     [[nodiscard]] const Registration& registration() const { return registration_; }
-    /// What was taken from the newborn although labels could show it, for the person.
+    /// Remarks for the user on what was taken from the newborn although labels could show it.
     [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
 
   private:

@@ -15,17 +15,17 @@
 
 namespace eti::segmentation {
 
-/// What a voxel belongs to. Values go into files: append, never renumber.
+/// Class of a voxel. Values are stored in files: append, never renumber.
 enum class Label : std::uint8_t {
     outside,  ///< air around the patient, couch
-    soft,     ///< soft tissue that has no label of its own
-    bone,     ///< skull with upper jaw, and any bone that is neither mandible nor spine
-    airway,   ///< lumen of nose, mouth, pharynx, larynx, trachea; an air-filled gullet too
+    soft,     ///< soft tissue without a label of its own
+    bone,     ///< skull with upper jaw, and any bone other than mandible and spine
+    airway,   ///< lumen of nose, mouth, pharynx, larynx, trachea; also an air-filled gullet
     mandible,
     spine,
     tongue,
-    epiglottis,    ///< in phantoms; CT does not show its border
-    enclosed_air,  ///< air cells and sinuses that do not open into the airway
+    epiglottis,    ///< in phantoms only; CT does not show its border
+    enclosed_air,  ///< air cells and sinuses not connected to the airway
 };
 inline constexpr std::size_t label_count = 9;
 inline constexpr std::array<std::string_view, label_count> label_names = {
@@ -38,13 +38,13 @@ inline constexpr std::array<std::string_view, label_count> label_names = {
 /// Named points [m], LPS; a name may have several.
 using Points = std::map<std::string, std::vector<Vec3d>>;
 
-/// Callback of long work: the share done [0, 1] and what is being done; false asks to stop.
+/// Progress callback of long operations: fraction done [0, 1] and current activity; returns false to cancel.
 using Progress = std::function<bool(float, std::string_view)>;
 
-/// The person asked to stop; nothing was written.
-class Stopped : public std::runtime_error {
+/// The user cancelled; nothing was written.
+class CancelledError : public std::runtime_error {
   public:
-    Stopped() : std::runtime_error("stopped; nothing was written") {}
+    CancelledError() : std::runtime_error("stopped; nothing was written") {}
 };
 
 }  // namespace eti::segmentation

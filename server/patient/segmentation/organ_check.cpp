@@ -9,7 +9,7 @@
 
 namespace eti::segmentation {
 
-OrganCheck::OrganCheck(const imaging::Geometry& geometry, const HeadPlace& head, const imaging::Bits& airway)
+OrganCheck::OrganCheck(const imaging::Geometry& geometry, const HeadPose& head, const imaging::Bits& airway)
     : geometry_(geometry), head_(head), airway_(extent(airway)) {}
 
 OrganCheck::Extent OrganCheck::extent(const imaging::Bits& organ) const {
@@ -33,32 +33,32 @@ OrganCheck::Extent OrganCheck::extent(const imaging::Bits& organ) const {
     return e;
 }
 
-std::string OrganCheck::implausible(const imaging::Bits& organ, const OrganLimits& limits) const {
+std::string OrganCheck::implausibility(const imaging::Bits& organ, const OrganLimits& limits) const {
     const Extent e = extent(organ);
     if (e.volume == 0.0 || head_.size == 0.0) {
         return {};
     }
     const double cube = head_.size * head_.size * head_.size;
-    if (e.volume < limits.least_volume * cube || e.volume > limits.most_volume * cube) {
+    if (e.volume < limits.min_volume * cube || e.volume > limits.max_volume * cube) {
         return fmt::format("{:.1f} ml were found; expected {:.1f} to {:.1f} ml in a head of this size",
-                           1e6 * e.volume, 1e6 * limits.least_volume * cube, 1e6 * limits.most_volume * cube);
+                           1e6 * e.volume, 1e6 * limits.min_volume * cube, 1e6 * limits.max_volume * cube);
     }
     const double beside = std::fabs(e.middle.x() - head_.middle(e.middle.y(), e.middle.z()));
-    if (beside > limits.most_beside * head_.size) {
+    if (beside > limits.max_beside * head_.size) {
         return fmt::format(
             "what was found lies {:.0f} mm beside the mirror plane; expected at most {:.0f} mm", 1e3 * beside,
-            1e3 * limits.most_beside * head_.size);
+            1e3 * limits.max_beside * head_.size);
     }
     const double smaller = std::min(e.left, 1.0 - e.left);
-    if (smaller < limits.least_side) {
+    if (smaller < limits.min_side) {
         return fmt::format("{:.0f} % of what was found lie on one side; expected at most {:.0f} %",
-                           100.0 * (1.0 - smaller), 100.0 * (1.0 - limits.least_side));
+                           100.0 * (1.0 - smaller), 100.0 * (1.0 - limits.min_side));
     }
     const double below = head_.in_plane.z() - e.middle.z();
-    if (below < limits.least_below * head_.size) {
+    if (below < limits.min_below * head_.size) {
         return fmt::format(
             "what was found lies {:.0f} mm below the cranium's centre; expected at least {:.0f} mm",
-            1e3 * below, 1e3 * limits.least_below * head_.size);
+            1e3 * below, 1e3 * limits.min_below * head_.size);
     }
     if (airway_.volume > 0.0) {
         const double behind = e.middle.y() - airway_.middle.y();
@@ -79,7 +79,7 @@ std::string OrganCheck::out_of_order(const imaging::Bits& mandible, const imagin
         for (std::size_t b = a + 1; b < all.size(); ++b) {
             const auto& [front, one] = all[a];
             const auto& [back, other] = all[b];
-            // A mandible reaches around the tongue: its middle may lie a little behind the tongue's.
+            // A mandible surrounds the tongue: its centre may be slightly behind the tongue's.
             const double room = b == 1 ? 0.3 * head_.size : 0.0;
             if (one.volume > 0.0 && other.volume > 0.0 && one.middle.y() > other.middle.y() + room) {
                 return fmt::format("the {} lies {:.0f} mm behind the {}; expected in front of it", front,
@@ -102,7 +102,7 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
         present[v] = true;
     }
     const auto reach = static_cast<int>(std::ceil(8e-3 / g.spacing().x()));
-    /// The organ nearest to a point, and whether its own organ is within reach too.
+    /// The organ nearest to a point, and whether its own organ is within reach, too.
     struct Place {
         Label nearest = Label::soft;
         bool near_own = false;
@@ -137,7 +137,7 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
         const auto it = points.find(name);
         const bool by_hand = given.contains(name);
         if (it == points.end() || (!by_hand && !present[value_of(label)])) {
-            continue;  // what was not found, or withdrawn, has no label to lie in
+            continue;  // organs that were not found, or were withdrawn, have no label
         }
         if (!present[value_of(label)]) {
             contradictions.push_back(fmt::format(
@@ -147,7 +147,7 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
             continue;
         }
         std::size_t stray = 0;
-        bool far = false;  // in another that is told apart, or not even at the border of its own
+        bool far = false;  // in another distinguishable organ, or not even at the border of its own
         std::string where;
         for (const Vec3d& p : it->second) {
             if (const Place at = place_of(p, label); at.nearest != label) {

@@ -36,20 +36,20 @@ Label label_of(const Fields& f) {
     return f.tongue < 0.0f ? Label::tongue : Label::soft;
 }
 
-/// How near [m] the closest border is; fields are distances only roughly.
+/// Distance [m] to the nearest border; approximate, as are the fields.
 float nearest_border(const Fields& f) {
     return std::min({std::fabs(f.skin), std::fabs(f.cavity), std::fabs(f.tongue), std::fabs(f.epiglottis),
                      std::fabs(f.skull), std::fabs(f.mandible), std::fabs(f.spine), std::fabs(f.hyoid)});
 }
 
-/// Voxels along an edge of the cubes that are looked at as a whole first.
+/// Voxels along the edge of the cubes that are tested as a whole first.
 constexpr int cube = 4;
-/// How far a cube's middle is from a border where its voxels have one label: twice the way to the farthest of
-/// them and on to where that one is sampled finely, as fields are distances only roughly. [spacings]
+/// Distance of a cube's centre from a border, at which all its voxels have one label [spacings]: twice the
+/// distance to the farthest of them plus the range of fine sampling, because fields are approximate
+/// distances.
 constexpr float clear_of_borders = 2.0f * (0.5f * (cube - 1) * 1.7321f + 1.2f);
 
-/// The label that every voxel of a cube has; none where a border may run through it. Cubes are ordered as
-/// voxels are.
+/// The label of all voxels of a cube; empty where a border may cross it. Cubes are ordered like voxels.
 std::vector<std::optional<Label>> labels_of_cubes(const anatomy::Newborn& newborn,
                                                   const imaging::Geometry& geometry,
                                                   const std::array<int, 3>& cubes) {
@@ -71,7 +71,7 @@ std::vector<std::optional<Label>> labels_of_cubes(const anatomy::Newborn& newbor
     return labels;
 }
 
-/// The label of most of a voxel and the mean radiodensity [HU] in it.
+/// The majority label of a voxel and its mean radiodensity [HU].
 std::pair<Label, float> voxel_at(const anatomy::Newborn& newborn, const Vec3f& centre, float h) {
     const Fields f = newborn.fields(centre);
     if (nearest_border(f) >= 1.2f * h) {
@@ -126,7 +126,7 @@ Phantom make_phantom(const PhantomSettings& settings, const Progress& progress) 
     for (int k = 0; k < 3; ++k) {
         geometry.size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / h)) + 1;
     }
-    imaging::require_sound(geometry, "phantom");
+    imaging::require_valid(geometry, "phantom");
     phantom.labels.geometry = geometry;
     phantom.ct.value.resize(geometry.count());
     phantom.labels.value.resize(geometry.count());
@@ -140,7 +140,7 @@ Phantom make_phantom(const PhantomSettings& settings, const Progress& progress) 
         if (stop) {
             return;
         }
-        // Each slice has its own seed, so that the noise does not depend on who computes it when.
+        // Each slice has its own seed, so that the noise does not depend on the order of computation.
         Random random(settings.seed * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(z));
         for (int y = 0; y < geometry.size[1]; ++y) {
             for (int x = 0; x < geometry.size[0]; ++x) {
@@ -159,7 +159,7 @@ Phantom make_phantom(const PhantomSettings& settings, const Progress& progress) 
         }
     });
     if (stop) {
-        throw Stopped();
+        throw CancelledError();
     }
     const auto landmarks = newborn.landmarks();
     for (std::size_t i = 0; i < landmark_count; ++i) {

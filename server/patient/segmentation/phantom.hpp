@@ -14,22 +14,22 @@ struct PhantomSettings {
     NewbornShape newborn;
     float spacing = 0.6e-3f;  ///< [m] between voxels; half of it takes eight times as long
     float noise = 20.0f;      ///< [HU], standard deviation
-    std::uint64_t seed = 1;   ///< of the noise
+    std::uint64_t seed = 1;   ///< seed of the noise
 };
 
-/// A CT of the parametric newborn and the truth about it.
+/// A CT of the parametric newborn with its ground truth.
 struct Phantom {
     imaging::Volume ct;
-    imaging::Mask labels;  ///< Label of the largest share of each voxel
+    imaging::Mask labels;  ///< majority label of each voxel
     Points landmarks;
 };
 
-/// Hounsfield units of a phantom. Tongue against neighbouring soft tissue stays within 20 HU, as in
-/// life; a newborn's bone is little mineralised.
+/// Hounsfield units in a phantom. Tongue and neighbouring soft tissue differ by at most 20 HU, as in vivo; a
+/// newborn's bone is weakly mineralised.
 [[nodiscard]] float hounsfield_of(Label label);
 
-/// Samples the newborn: a voxel next to a border is the mean over 3 x 3 x 3 points within it. Below, the
-/// volume cuts through the shoulders; on the other sides there is air.
+/// Samples the newborn: a voxel at a border is the mean over 3 x 3 x 3 points in it. The lower face cuts
+/// through the shoulders; the other sides are in air.
 [[nodiscard]] Phantom make_phantom(const PhantomSettings& settings, const Progress& progress);
 
 }  // namespace eti::segmentation

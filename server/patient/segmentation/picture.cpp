@@ -43,10 +43,10 @@ Vec3f rgb_of(Label label) {
 struct Scene {
     const imaging::Volume& ct;
     const imaging::Mask& labels;
-    Vec3d middle;   ///< [m] of the volume
+    Vec3d middle;   ///< [m], centre of the volume
     double extent;  ///< [m], longest side of the volume
 
-    /// The label at a point, outside beyond the volume.
+    /// The label at a point; `outside` beyond the volume.
     [[nodiscard]] Label label_at(const Vec3d& point, std::size_t* index = nullptr) const {
         const imaging::Geometry& g = ct.geometry;
         const Vec3d at = (point - g.origin) / g.step(0, 0);
@@ -64,11 +64,11 @@ struct Scene {
     }
 };
 
-/// A slice through `centre`: `right` and `down` are unit vectors of the picture.
+/// Draws a slice through `centre`; `right` and `down` are unit vectors of the picture.
 void draw_slice(const Scene& scene, const Panel& panel, const Vec3d& centre, const Vec3d& right,
                 const Vec3d& down) {
     const Vec3d normal = right.cross(down);
-    // The whole volume is shown; only across the slice the place is the centre's.
+    // Shows the whole volume; only the position along the normal is the centre's.
     const Vec3d origin = scene.middle + normal * normal.dot(centre - scene.middle);
     const double pixel = scene.extent / panel.size();
     for (int y = 0; y < panel.size(); ++y) {
@@ -90,7 +90,7 @@ void draw_slice(const Scene& scene, const Panel& panel, const Vec3d& centre, con
     }
 }
 
-/// Rays meet what is not cut away; light comes from the eye.
+/// Ray casting of what is not cut away; the light is at the eye.
 void draw_view(const Scene& scene, const Panel& panel, const Vec3d& centre) {
     const double h = scene.ct.geometry.step(0, 0);
     const Vec3d forward = Vec3d(-0.80, 0.55, -0.22).normalized();
@@ -123,7 +123,7 @@ void draw_view(const Scene& scene, const Panel& panel, const Vec3d& centre) {
                 if (label == Label::outside) {
                     continue;
                 }
-                // The way out of the solid, from the neighbourhood's balance.
+                // Outward direction of the solid, from the balance of the neighbourhood.
                 Vec3d normal = Vec3d::Zero();
                 for (int k = 0; k < 125; ++k) {
                     const Vec3d offset(k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2);
@@ -170,8 +170,8 @@ Colour colour_of(Label label) {
 
 imaging::Picture draw(const imaging::Volume& volume, const imaging::Mask& labels, const Vec3d& centre,
                       int pixels) {
-    const imaging::Volume ct = imaging::upright(volume, std::size_t{1} << 25);
-    const imaging::Mask mask = imaging::onto(ct.geometry, labels);
+    const imaging::Volume ct = imaging::resample_upright(volume, std::size_t{1} << 25);
+    const imaging::Mask mask = imaging::resample_labels(ct.geometry, labels);
     const imaging::Geometry& g = ct.geometry;
     const Vec3d far = g.point(g.size[0] - 1, g.size[1] - 1, g.size[2] - 1);
     const Scene scene{ct, mask, 0.5 * (g.origin + far), (far - g.origin).maxCoeff() + g.step(0, 0)};

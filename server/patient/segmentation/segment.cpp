@@ -8,12 +8,12 @@
 #include <numeric>
 #include <optional>
 
-#include "common/mesh/components.hpp"
 #include "server/patient/imaging/level_set.hpp"
 #include "server/patient/imaging/resample.hpp"
+#include "server/patient/mesh/components.hpp"
 #include "server/patient/segmentation/organ_check.hpp"
-#include "server/patient/segmentation/place_points.hpp"
-#include "server/patient/segmentation/stand.hpp"
+#include "server/patient/segmentation/placement/place_seeds.hpp"
+#include "server/patient/segmentation/placement/volume_orientation.hpp"
 #include "server/patient/segmentation/tissue_map.hpp"
 
 namespace eti::segmentation {
@@ -35,7 +35,7 @@ class Region {
             size_[k] = high[k] - low_[k] + 1;
         }
     }
-    /// The box around the voxels of a mask, wider by `margin` [voxels].
+    /// The bounding box of a mask, extended by `margin` [voxels].
     static Region around(const Geometry& whole, const Bits& mask, int margin) {
         std::array<int, 3> low = whole.size;
         std::array<int, 3> high = {0, 0, 0};
@@ -78,7 +78,7 @@ class Region {
         for_each([&](std::size_t i, std::size_t j) { part[i] = from[j]; });
         return part;
     }
-    /// A distance that is negative in the mask, in the first place by half a voxel on either side.
+    /// Initial distance, negative in the mask: half a voxel on either side of its border.
     [[nodiscard]] DistanceGrid start(const Bits& inside, float spacing) const {
         DistanceGrid grid;
         grid.spacing = spacing;
@@ -96,22 +96,22 @@ class Region {
     Size size_{};
 };
 
-/// A CT on an upright grid and what has been found in it so far.
+/// A CT on an isotropic grid along LPS and the results so far.
 struct Work {
     const imaging::Volume& ct;
     const SegmentSettings& settings;
     const Progress& progress;
     TissueMap map;
-    std::vector<float> bone_depth;  ///< [voxels] to the nearest voxel that is no bone
+    std::vector<float> bone_depth;  ///< [voxels], to the nearest voxel that is not bone
     Points points;
 
     [[nodiscard]] float spacing() const { return static_cast<float>(ct.geometry.spacing().x()); }
-    void tell(float share, std::string_view what) const {
+    void report_progress(float share, std::string_view what) const {
         if (!progress(share, what)) {
-            throw Stopped();
+            throw CancelledError();
         }
     }
-    /// For LevelSetSettings: lets a person stop it.
+    /// Progress callback for LevelSetSettings, by which the user can cancel.
     [[nodiscard]] auto listener(float share, std::string_view what) const {
         return [this, share, what](int) { return progress(share, what); };
     }
@@ -137,7 +137,7 @@ struct Work {
     }
 };
 
-/// The bone voxel nearest to a point within 8 mm, the thicker the better; nothing if there is none.
+/// The bone voxel within 8 mm of a point, preferring near and thick ones; empty if there is none.
 std::optional<std::size_t> bone_at(const Work& work, std::size_t seed) {
     const Geometry& g = work.ct.geometry;
     const auto [x, y, z] = g.coordinates(seed);
@@ -161,8 +161,8 @@ std::optional<std::size_t> bone_at(const Work& work, std::size_t seed) {
     return found;
 }
 
-/// Bone that `seeds` lie in, parted at its necks from the bone that `others` lie in: 1 and 2. Nothing
-/// where no neck parts them, which is so when it is nearly as thick as the bone at the seeds.
+/// Splits bone at its necks: 1 around `seeds`, 2 around `others`. Empty if there is no neck, which is so if
+/// it is nearly as thick as the bone at the seeds.
 std::optional<std::vector<std::uint8_t>> part_bones(const Work& work, const std::vector<std::size_t>& seeds,
                                                     const std::vector<std::size_t>& others) {
     const Geometry& g = work.ct.geometry;
@@ -187,7 +187,7 @@ std::optional<std::vector<std::uint8_t>> part_bones(const Work& work, const std:
     return parts.owner;
 }
 
-/// The bone of owner 1 with a smooth border: a level set that starts from all of it and settles where the
+/// The bone of owner 1 with a smooth border: a level set that starts from all of it and converges where the
 /// grey value falls or another bone begins.
 Bits grow_bone(const Work& work, const std::vector<std::uint8_t>& owner, float share, std::string_view what) {
     Bits own(owner.size());
@@ -199,8 +199,8 @@ Bits grow_bone(const Work& work, const std::vector<std::uint8_t>& owner, float s
     std::vector<float> speed(region.count());
     region.for_each([&](std::size_t i, std::size_t j) {
         seed[i] = own[j];
-        // Full speed from half-way to compact bone on, and never so slow that curvature (at most 0.1) wins
-        // over a vertebral arch two voxels thick; other bones push back.
+        // Full speed from half-way to compact bone on, and never so slow that curvature (at most 0.1)
+        // dominates in a vertebral arch two voxels thick. The front is driven back from other bones.
         const float boniness = (work.ct.value[j] - work.settings.bone_above) / 150.0f;
         const auto [least, most] = own[j] != 0 ? std::pair(0.3f, 1.0f) : std::pair(-1.0f, -0.3f);
         speed[i] = owner[j] == 2 ? -1.0f : std::clamp(boniness, least, most);
@@ -208,19 +208,19 @@ Bits grow_bone(const Work& work, const std::vector<std::uint8_t>& owner, float s
     const float h = work.spacing();
     const DistanceGrid front =
         imaging::evolve(region.start(seed, h), speed, {.curvature = 0.1f * h}, work.listener(share, what));
-    work.tell(share, what);
+    work.report_progress(share, what);
     Bits grown(own.size(), 0);
     region.for_each([&](std::size_t i, std::size_t j) {
-        // The front rounds edges off; what it owns within a voxel belongs to it.
+        // The front rounds off edges; owned voxels within one voxel of it are kept.
         grown[j] = own[j] != 0 && front.value[i] < h ? 1 : 0;
     });
     return grown;
 }
 
-/// The value that parts two classes best (Otsu 1979, IEEE Trans SMC 9).
+/// The threshold that best separates two classes (Otsu 1979, IEEE Trans SMC 9).
 float otsu(const std::vector<float>& values) {
     constexpr float low = -150.0f;
-    constexpr std::size_t bins = 300;  // of 1 HU
+    constexpr std::size_t bins = 300;  // 1 HU each
     std::array<double, bins> histogram{};
     for (const float v : values) {
         const auto bin = static_cast<std::size_t>(std::clamp(v - low, 0.0f, static_cast<float>(bins - 1)));
@@ -251,8 +251,8 @@ float otsu(const std::vector<float>& values) {
     return low + static_cast<float>(at) + 1.0f;
 }
 
-/// The tongue as the soft tissue around its seed on the same side of the grey value that parts the
-/// mouth's soft tissue best. `note` says why there is none.
+/// Segments the tongue: the soft tissue around its seed on the same side of the grey value that best
+/// separates the mouth's soft tissue. `note` receives the reason if there is none.
 Bits grow_tongue(const Work& work, double jaw_depth, std::string& note) {
     const Geometry& g = work.ct.geometry;
     const float h = work.spacing();
@@ -270,7 +270,7 @@ Bits grow_tongue(const Work& work, double jaw_depth, std::string& note) {
     const Region region(g, low, high);
     const std::vector<float> grey = region.cut(work.ct.value);
     const Bits soft = region.cut(work.map.soft);
-    Bits core(soft.size());  // without voxels that lie partly in air or bone
+    Bits core(soft.size());  // without voxels that are partly air or bone
     for (std::size_t i = 0; i < core.size(); ++i) {
         core[i] = soft[i] != 0 && grey[i] > -150.0f && grey[i] < 150.0f ? 1 : 0;
     }
@@ -316,7 +316,7 @@ Bits grow_tongue(const Work& work, double jaw_depth, std::string& note) {
     const DistanceGrid front =
         imaging::evolve(region.start(ball, h), speed, {.curvature = work.settings.tongue_curvature},
                         work.listener(0.8f, "tongue"));
-    work.tell(0.9f, "tongue");
+    work.report_progress(0.9f, "tongue");
     Bits tongue(g.count(), 0);
     region.for_each(
         [&](std::size_t i, std::size_t j) { tongue[j] = soft[i] != 0 && front.value[i] < 0.0f ? 1 : 0; });
@@ -327,14 +327,14 @@ double volume_of(const Geometry& g, const Bits& bits) {
     return g.voxel_volume() * static_cast<double>(std::count(bits.begin(), bits.end(), std::uint8_t{1}));
 }
 
-/// Whether the airway goes on below the chin far enough to hold larynx and trachea.
-Structure look_for_larynx(const Geometry& g, const Bits& airway, const Placed& placed) {
+/// Whether the airway extends far enough below the chin to contain larynx and trachea.
+Structure look_for_larynx(const Geometry& g, const Bits& airway, const PlacedSeeds& placed) {
     Structure larynx{"larynx and trachea", false, 0.0, ""};
     double lowest = 1e9;
     for (std::size_t i = 0; i < airway.size() && lowest > 1e8; ++i) {
         if (airway[i] != 0) {
             const auto [x, y, z] = g.coordinates(i);
-            lowest = g.point(x, y, z).z();  // indices run upwards
+            lowest = g.point(x, y, z).z();  // indices increase upwards
         }
     }
     const double floor = g.origin.z();
@@ -359,7 +359,7 @@ Structure look_for_larynx(const Geometry& g, const Bits& airway, const Placed& p
     return larynx;
 }
 
-/// Distances between voxels are coarse steps; blurred, they tell narrow from wide.
+/// Distances between voxels are coarsely quantized; blurred, they distinguish narrow from wide.
 std::vector<float> depth_in(const imaging::Size& size, const Bits& bone) {
     Bits no_bone(bone.size());
     for (std::size_t i = 0; i < no_bone.size(); ++i) {
@@ -368,34 +368,36 @@ std::vector<float> depth_in(const imaging::Size& size, const Bits& bone) {
     return imaging::smooth_within(size, imaging::distance_to(size, no_bone), bone, 0.7f);
 }
 
-/// Places seeds in the head's directions and looks for the larynx there. Points are the grid's.
-std::pair<Placed, Structure> place_in_head(const Work& work, const Bits& shown, const Stand& stand,
-                                           const Points& given) {
+/// Places seeds in the head's directions and looks for the larynx there. Points are in the grid's directions.
+std::pair<PlacedSeeds, Structure> place_in_head(const Work& work, const Bits& shown,
+                                                const VolumeOrientation& stand, const Points& given) {
     const Geometry& g = work.ct.geometry;
-    HeadPlace head = stand.place;
+    HeadPose head = stand.place;
     head.shown = &shown;
-    if (stand.lean.isIdentity(0.0)) {
-        const Placed placed = place_points(g, work.map, work.bone_depth, head, given);
+    if (stand.residual_rotation.isIdentity(0.0)) {
+        const PlacedSeeds placed = place_seeds(g, work.map, work.bone_depth, head, given);
         return {placed, look_for_larynx(g, work.map.airway, placed)};
     }
-    // Masks turned by the nearest voxel will do: a seed need not be exact.
-    const Geometry own = imaging::upright_grid(imaging::seen_along(g, stand.lean));
-    const Geometry turned_grid = imaging::seen_along(own, stand.lean.transpose());
-    const auto turned_bits = [&](const Bits& bits) { return imaging::onto(turned_grid, {g, bits}).value; };
+    // Nearest-neighbour rotation of masks suffices: seeds need not be exact.
+    const Geometry own = imaging::upright_grid(imaging::reoriented(g, stand.residual_rotation));
+    const Geometry turned_grid = imaging::reoriented(own, stand.residual_rotation.transpose());
+    const auto turned_bits = [&](const Bits& bits) {
+        return imaging::resample_labels(turned_grid, {g, bits}).value;
+    };
     const TissueMap map{turned_bits(work.map.outside),      turned_bits(work.map.airway),
                         turned_bits(work.map.enclosed_air), turned_bits(work.map.bone),
                         turned_bits(work.map.soft),         work.map.airway_opens};
     const Bits turned_shown = turned_bits(shown);
     head.shown = &turned_shown;
-    Placed placed =
-        place_points(own, map, depth_in(own.size, map.bone), head, turned(given, stand.lean.transpose()));
+    PlacedSeeds placed = place_seeds(own, map, depth_in(own.size, map.bone), head,
+                                     turned(given, stand.residual_rotation.transpose()));
     Structure larynx = look_for_larynx(own, map.airway, placed);
-    placed.points = turned(placed.points, stand.lean);
+    placed.points = turned(placed.points, stand.residual_rotation);
     return {placed, larynx};
 }
 
-/// Vertebral arches are too thin for the level set, and in a newborn hang by cartilage, which CT does not
-/// show: pieces of bone on their own that begin within reach of a vertebra's body belong to the spine.
+/// Vertebral arches are too thin for the level set, and in a newborn are attached by cartilage, which CT does
+/// not show: separate pieces of bone that start within reach of a vertebral body are assigned to the spine.
 void add_arches(const Work& work, const Vec3d& up, const Bits& mandible, Bits& spine) {
     const Geometry& g = work.ct.geometry;
     Bits rest(spine.size());
@@ -408,8 +410,8 @@ void add_arches(const Work& work, const Vec3d& up, const Bits& mandible, Bits& s
             top = std::max(top, up.dot(g.point(x, y, z)));
         }
     }
-    constexpr double reach = 4e-3;    // [m], from the body to where the arch begins
-    constexpr double largest = 2e-6;  // [m^3], of half an arch; the skull's pieces are larger
+    constexpr double reach = 4e-3;    // [m], from the body to the start of the arch
+    constexpr double largest = 2e-6;  // [m^3], of half an arch; pieces of the skull are larger
     const Components pieces = components(g.size, rest);
     const std::vector<float> to_spine = imaging::distance_to(g.size, spine);
     std::vector<std::uint8_t> near(pieces.voxels.size(), 0);
@@ -429,27 +431,27 @@ void add_arches(const Work& work, const Vec3d& up, const Bits& mandible, Bits& s
     }
 }
 
-constexpr std::size_t most_voxels = std::size_t{1} << 26;
+constexpr std::size_t max_voxels = std::size_t{1} << 26;
 
 }  // namespace
 
 Segmentation segment(const imaging::Volume& volume, const Points& given, const SegmentSettings& settings,
                      const Progress& progress) {
     if (!progress(0.0f, "turning the volume upright")) {
-        throw Stopped();
+        throw CancelledError();
     }
     require_ct(volume, settings);
     Segmentation result;
-    const Stand stand = stand_up(volume, given, settings, result.contradictions);
+    const VolumeOrientation stand = orient_volume(volume, given, settings, result.contradictions);
     result.turn = stand.turn;
-    const imaging::Geometry own = imaging::seen_along(volume.geometry, stand.axes);
-    const imaging::Volume ct = imaging::upright(volume, own, most_voxels);
+    const imaging::Geometry own = imaging::reoriented(volume.geometry, stand.axes);
+    const imaging::Volume ct = imaging::resample_upright(volume, own, max_voxels);
     const Geometry& g = ct.geometry;
     const Bits shown = imaging::covered(g, own);
     Work work{ct, settings, progress, {}, {}, {}};
-    work.tell(0.05f, "air, bone, soft tissue");
+    work.report_progress(0.05f, "air, bone, soft tissue");
     work.map = map_tissues(ct, settings);
-    work.tell(0.3f, "landmarks");
+    work.report_progress(0.3f, "landmarks");
     work.bone_depth = depth_in(g.size, work.map.bone);
     const auto [placed, larynx] = place_in_head(work, shown, stand, turned(given, stand.axes.transpose()));
     work.points = placed.points;
@@ -472,8 +474,8 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     const std::vector<std::size_t> chin = work.voxels_of("mandible");
     const std::vector<std::size_t> skull = work.voxels_of("skull");
     const std::vector<std::size_t> spine_seeds = work.voxels_of("spine");
-    // In coarser voxels a newborn's mandible runs into the skull, and the tongue into its neighbours.
-    constexpr double coarsest = 0.053;  // of the cranium's radius: 1.9 mm at term, 3.3 mm in adults
+    // In coarser voxels a newborn's mandible merges with the skull, and the tongue with its neighbours.
+    constexpr double coarsest = 0.053;  // in cranial radii: 1.9 mm at term, 3.3 mm in adults
     const double widest = volume.geometry.spacing().maxCoeff();
     const std::string too_coarse =
         stand.place.size > 0.0 && widest > coarsest * stand.place.size
@@ -486,7 +488,7 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     Bits tongue;
     const auto search_bone = [&](const char* name, const std::vector<std::size_t>& seeds,
                                  std::vector<std::size_t> others, float share, const std::string& why_not) {
-        work.tell(share, name);
+        work.report_progress(share, name);
         Structure found{name, false, 0.0, why_not};
         Bits bits;
         if (!seeds.empty() && !too_coarse.empty()) {
@@ -516,13 +518,13 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     spine = search_bone("spine", spine_seeds, rest, 0.6f,
                         "not in the volume: no bone behind the airway below the mouth");
     if (!spine.empty()) {
-        add_arches(work, stand.lean.col(2), mandible, spine);
+        add_arches(work, stand.residual_rotation.col(2), mandible, spine);
         structures.back().volume = volume_of(g, spine);
     }
 
-    const OrganCheck check(imaging::seen_along(g, stand.lean), stand.place, work.map.airway);
+    const OrganCheck check(imaging::reoriented(g, stand.residual_rotation), stand.place, work.map.airway);
     const auto withdraw = [&](Structure& organ, Bits& bits, const OrganLimits& limits) {
-        if (const std::string why = check.implausible(bits, limits); !why.empty()) {
+        if (const std::string why = check.implausibility(bits, limits); !why.empty()) {
             organ.found = false;
             organ.volume = 0.0;
             organ.note = why;
@@ -532,7 +534,7 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     };
 
     Structure found_tongue{"tongue", false, 0.0, ""};
-    work.tell(0.8f, "tongue");
+    work.report_progress(0.8f, "tongue");
     if (!work.points.contains("tongue")) {
         found_tongue.note = "not in the volume, or not to be found without the mandible";
     } else if (!too_coarse.empty()) {
@@ -572,7 +574,7 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     paint(work.map.airway, Label::airway);
     paint(work.map.enclosed_air, Label::enclosed_air);
     find_stray_seeds(labels, work.points, given, result.contradictions);
-    result.labels = imaging::onto(own, labels);
+    result.labels = imaging::resample_labels(own, labels);
     result.labels.geometry = volume.geometry;
     result.points = turned(work.points, stand.axes);
     return result;

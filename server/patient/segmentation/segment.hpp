@@ -12,7 +12,7 @@ namespace eti::segmentation {
 
 struct SegmentSettings {
     float air_below = -480.0f;  ///< [HU], half-way between air and soft tissue
-    float bone_above = 226.0f;  ///< [HU], the usual threshold of bone in CT
+    float bone_above = 226.0f;  ///< [HU], the usual bone threshold in CT
     /// [m], radius of the ball that closes lips and nostrils. A larger one closes wider openings and fills
     /// folds of the neck.
     float closing = 6.0e-3f;
@@ -21,32 +21,33 @@ struct SegmentSettings {
     float tongue_curvature = 0.35e-3f;  ///< [m], see imaging::LevelSetSettings
 };
 
-/// One structure that was looked for.
+/// Result for one structure.
 struct Structure {
     std::string name;
     bool found = false;
     double volume = 0.0;  ///< [m^3]
-    std::string note;     ///< why it was not found, or what is particular
+    std::string note;     ///< why it was not found, or a remark
 };
 
 struct Segmentation {
     imaging::Mask labels;               ///< values of Label, on the input's grid
-    Points points;                      ///< the seeds that were used, given or placed
+    Points points;                      ///< seeds used, given or placed
     std::vector<Structure> structures;  ///< skin, bone, airway, larynx, mandible, spine, tongue
-    double turn = 0.0;                  ///< [rad], of the head against the file's directions
-    /// What cannot be true of a patient, for the person: what file and picture say otherwise, organs of the
-    /// wrong size or place (which get no label), seeds outside of their organ.
+    double turn = 0.0;                  ///< [rad], rotation of the head from the file's directions
+    /// Contradictions for the user: between file and image, organs of implausible size or position (which get
+    /// no label), seeds outside of their organ.
     std::vector<std::string> contradictions;
 };
 
-/// Cuts a CT of head and neck into labels. Air, bone and soft tissue by threshold; the patient is the
-/// largest body, closed by a ball, and the airway is the largest space inside it that opens at nose or
-/// mouth (Xiao et al. 2020, section 4.1, by hand in ITK-SNAP). Mandible, spine and tongue by narrow-band
-/// level sets from seeds: `given` ones, else placed by anatomy. Seeds are placed in the
-/// head's own frame (head_frame.hpp), however the patient lay or the axes run; labels and points are the
-/// volume's. What the
-/// volume does not show is reported as not found and not labelled. Throws VolumeError where the volume is no
-/// CT of a head, Stopped where `progress` asked for it.
+/// Segments a CT of head and neck.
+/// - Air, bone and soft tissue by threshold. The patient is the largest body, closed by a ball; the airway is
+///   the largest space inside it that opens at nose or mouth (Xiao et al. 2020, section 4.1, manually in
+///   ITK-SNAP).
+/// - Mandible, spine and tongue by narrow-band level sets from seeds: `given` ones, else placed by anatomy in
+///   the head's own frame (head_frame.hpp), for any orientation of patient and axes.
+/// Labels and points are in the volume's frame. Structures that the volume does not show are reported as not
+/// found and not labelled. Throws VolumeError if the volume is not a CT of a head, CancelledError if
+/// `progress` cancels.
 [[nodiscard]] Segmentation segment(const imaging::Volume& volume, const Points& given,
                                    const SegmentSettings& settings, const Progress& progress);
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "common/mesh/isosurface.hpp"
-#include "common/mesh/uncrossed.hpp"
 #include "server/patient/imaging/filter.hpp"
+#include "server/patient/mesh/without_self_intersection.hpp"
 
 namespace eti::segmentation {
 
@@ -18,7 +18,7 @@ namespace {
 using imaging::Bits;
 using imaging::Geometry;
 
-/// Negative inside. The grid is one of indices: origin 0, spacing 1.
+/// Negative inside. The grid is in index space: origin 0, spacing 1.
 DistanceGrid field_of(const Geometry& g, const Bits& member, const imaging::Volume* ct, float threshold) {
     DistanceGrid field;
     field.spacing = 1.0f;
@@ -34,7 +34,8 @@ DistanceGrid field_of(const Geometry& g, const Bits& member, const imaging::Volu
         return field;
     }
     for (std::size_t i = 0; i < member.size(); ++i) {
-        // The labels tell the side, the grey value how far: where both agree this is the grey field.
+        // The labels give the sign, the grey value the magnitude: where both agree this is the grey-value
+        // field.
         const float away = std::clamp(std::fabs(ct->value[i] - threshold), 1.0f, 600.0f);
         field.value[i] = member[i] != 0 ? -away : away;
     }
@@ -89,7 +90,7 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
     for (std::size_t k = 0; k < all.size(); ++k) {
         const Wanted& wanted = all[k];
         if (!progress(static_cast<float>(k) / static_cast<float>(all.size()), wanted.name)) {
-            throw Stopped();
+            throw CancelledError();
         }
         Bits member(labels.value.size());
         bool any = false;
@@ -108,11 +109,11 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
         surface.name = wanted.name;
         surface.mesh = isosurface(field_of(g, member, ct, wanted.threshold), 0.0f);
         place(surface.mesh, g);
-        smooth_without_crossing(surface.mesh, settings.smoothing);
+        smooth_without_self_intersection(surface.mesh, settings.smoothing);
         surface.mesh =
-            simplify_without_crossing(surface.mesh, {.triangles = wanted.budget, .importance = {}});
+            simplify_without_self_intersection(surface.mesh, {.triangles = wanted.budget, .importance = {}});
         surface.report = check(surface.mesh);
-        if (!surface.report.sound()) {
+        if (!surface.report.is_valid()) {
             const Vec3f at = 1e3f * surface.report.fault_at.value_or(Vec3f::Zero());
             throw imaging::VolumeError(
                 fmt::format("the surface of {} is not sound, first near ({:.1f}, {:.1f}, {:.1f}) mm: {}; "

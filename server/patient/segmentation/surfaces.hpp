@@ -17,10 +17,10 @@ struct SurfaceSettings {
     std::size_t skin_triangles = 40000;
     std::size_t bone_triangles = 60000;
     std::size_t airway_triangles = 20000;
-    /// Passes of Taubin's filter; more takes more of the noise's roughness and of fine detail away.
+    /// Passes of Taubin's filter; more remove more noise and more fine detail.
     int smoothing = 5;
-    float air_below = SegmentSettings().air_below;    ///< [HU], where skin and airway end
-    float bone_above = SegmentSettings().bone_above;  ///< [HU], where bone ends
+    float air_below = SegmentSettings().air_below;    ///< [HU], boundary of skin and airway
+    float bone_above = SegmentSettings().bone_above;  ///< [HU], boundary of bone
 };
 
 struct NamedSurface {
@@ -29,16 +29,16 @@ struct NamedSurface {
     MeshReport report;
 };
 
-/// Closed, manifold, outward-oriented surfaces of what the labels hold, at sub-voxel places: where the
-/// CT crosses the threshold, on the side that the labels tell; half-way where the labels alone part two
-/// voxels. Without a CT (`ct` null) the labels are blurred by 0.8 voxels and cut half-way, which rounds
-/// and rings. A structure without voxels is left out. Throws VolumeError naming the surface, the
-/// fault and its place where one is not sound, and where CT and labels differ in grid.
+/// Closed, manifold, outward-oriented surfaces of the labels at sub-voxel positions: where the CT crosses the
+/// threshold on the side given by the labels; half-way between voxels that only the labels separate. Without
+/// a CT (`ct` null) the labels are blurred by 0.8 voxels and cut at half, which rounds corners and leaves
+/// ringing. Structures without voxels are skipped. Throws VolumeError naming surface, fault and location if a
+/// surface is invalid, and if CT and labels have different grids.
 [[nodiscard]] std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imaging::Volume* ct,
                                                       const SurfaceSettings& settings,
                                                       const Progress& progress);
 
-/// A binary STL file in millimetres, LPS, as medical programs expect.
+/// Encodes a binary STL file in millimetres, LPS, as medical programs expect.
 [[nodiscard]] imaging::Bytes encode_stl(const TriangleMesh& mesh);
 
 }  // namespace eti::segmentation

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "server/patient/segmentation/tissue_map.hpp"
-#include "common/mesh/components.hpp"
+#include "server/patient/mesh/components.hpp"
 
 #include <fmt/format.h>
 #include <cmath>
@@ -15,8 +15,8 @@ using imaging::Geometry;
 using imaging::Size;
 using imaging::VolumeError;
 
-/// All of `open` that hangs together with the left, right, front and back faces of the volume. Above and
-/// below the scan may cut through the patient.
+/// The part of `open` that is connected to the left, right, front and back faces of the volume. At top and
+/// bottom the scan may cut through the patient.
 Bits reached_from_sides(const Size& size, const Bits& open) {
     const Components parts = components(size, open);
     std::vector<std::uint8_t> beside(parts.voxels.size(), 0);
@@ -48,7 +48,7 @@ bool touches(const Geometry& g, const Bits& bits, std::size_t i) {
 }  // namespace
 
 void require_ct(const imaging::Volume& ct, const SegmentSettings& settings) {
-    constexpr float lowest = -3100.0f;  // some scanners mark what they did not see by -3024
+    constexpr float lowest = -3100.0f;  // some scanners mark voxels outside their field of view by -3024
     constexpr float highest = 4100.0f;  // metal
     std::size_t wild = 0;
     std::size_t air = 0;
@@ -90,7 +90,7 @@ TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings
     for (std::size_t i = 0; i < n; ++i) {
         body[i] = patient != 0 && bodies.part[i] == patient ? 1 : 0;
     }
-    Bits open = imaging::close(g.size, body, settings.closing / h);
+    Bits open = imaging::morphological_close(g.size, body, settings.closing / h);
     for (std::uint8_t& v : open) {
         v = 1 - v;
     }
@@ -113,8 +113,8 @@ TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings
             airway = p;
         }
     }
-    // With lips and nostrils shut the largest enclosed space must do, unless a fold of the skin is all
-    // that opens.
+    // With closed lips and nostrils the largest enclosed space is taken, unless the only opening is a skin
+    // fold.
     const std::uint32_t largest = spaces.largest();
     map.airway_opens = airway != 0 && 4 * spaces.voxels[airway] > spaces.voxels[largest];
     if (!map.airway_opens) {
@@ -133,7 +133,7 @@ TissueMap map_tissues(const imaging::Volume& ct, const SegmentSettings& settings
         } else if (spaces.part[i] == airway) {
             map.airway[i] = 1;
         } else {
-            // A fold of the skin that the closing bridged is air around the patient.
+            // A skin fold bridged by the closing is air around the patient.
             (opens[spaces.part[i]] != 0 ? map.outside : map.enclosed_air)[i] = 1;
         }
     }

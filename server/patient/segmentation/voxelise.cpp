@@ -20,7 +20,7 @@ struct Name {
     const char* word;
     Label label;
 };
-// In the order of painting: later ones cover earlier ones.
+// In painting order: later labels cover earlier ones.
 constexpr std::array<Name, 11> names = {{{"skin", Label::soft},
                                          {"body", Label::soft},
                                          {"head", Label::soft},
@@ -82,7 +82,7 @@ imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double s
     Box box;
     for (const std::filesystem::path& file : files) {
         if (!progress(0.0f, "reading " + file.string())) {
-            throw Stopped();
+            throw CancelledError();
         }
         surfaces.push_back(read_closed(file));
         for (const Vec3f& v : surfaces.back().mesh.vertices) {
@@ -104,12 +104,12 @@ imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double s
         g.size[static_cast<std::size_t>(k)] =
             static_cast<int>(std::min(1e5, std::ceil((box.high - box.low)[k] / spacing))) + 5;
     }
-    imaging::require_sound(g, "surfaces");
+    imaging::require_valid(g, "surfaces");
     labels.value.assign(g.count(), value_of(Label::outside));
     for (const Surface& surface : surfaces) {
         const Name& name = names[surface.name];
         if (!progress(0.05f, name.word)) {
-            throw Stopped();
+            throw CancelledError();
         }
         const DistanceGrid distance =
             mesh_distance(surface.mesh, g.origin.cast<float>(), static_cast<float>(spacing), g.size,

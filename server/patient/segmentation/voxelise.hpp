@@ -10,13 +10,13 @@
 
 namespace eti::segmentation {
 
-/// Whether a file's name is that of a surface (STL, OBJ, PLY).
+/// Whether the file name is that of a surface (STL, OBJ, PLY).
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& file);
 
-/// Labels from closed surfaces; each file's name tells what it bounds: skin (or body, head), airway, bone (or
-/// skull), mandible (or jaw), spine, tongue, epiglottis. Several files may bound one structure. Where they
-/// overlap, airway counts more than mandible, spine, bone, epiglottis, tongue and skin, in this order. Throws
-/// VolumeError where a surface is not closed, with the place, or its name says nothing.
+/// Labels from closed surfaces; the file name gives the structure: skin (or body, head), airway, bone (or
+/// skull), mandible (or jaw), spine, tongue, epiglottis. A structure may have several files. In overlaps,
+/// precedence is airway, mandible, spine, bone, epiglottis, tongue, skin. Throws VolumeError, with the
+/// location, if a surface is not closed, or if a file name names no structure.
 [[nodiscard]] imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double spacing,
                                      const Progress& progress);
 

@@ -6,10 +6,10 @@
 #include "common/math/units.hpp"
 #include "common/process/command_line.hpp"
 #include "server/patient/imaging/bytes.hpp"
-#include "server/patient/newborn/check_model.hpp"
+#include "server/patient/newborn/build/check_model.hpp"
 #include "server/patient/newborn/from_scenario.hpp"
 #include "server/patient/segmentation/labelled_anatomy.hpp"
-#include "server/patient/segmentation/points_file.hpp"
+#include "server/patient/segmentation/placement/points_file.hpp"
 #include "server/patient/segmentation/surfaces.hpp"
 #include "server/patient/segmentation/voxelise.hpp"
 #include "server/patient/tool/commands.hpp"
@@ -39,7 +39,7 @@ anatomy::BuildSettings settings_of(const BuildRequest& request, anatomy::BuildSe
     take(request.fine_spacing_mm, millimetre, settings.fine_spacing);
     take(request.surface_mm, millimetre, settings.surface_spacing);
     if (request.surface_mm) {
-        // As many triangles as the surface has room for.
+        // Scales the number of triangles with the surface's resolution.
         settings.body_triangles = static_cast<std::size_t>(static_cast<float>(settings.body_triangles) /
                                                            (*request.surface_mm * *request.surface_mm));
     }
@@ -87,18 +87,18 @@ Result build_newborn(const BuildRequest& request, const ShapeOptions& options) {
     (void)progress(0.0f, "building the model");
     const anatomy::Patient patient = anatomy::build_patient(scenario.patient.shape, settings);
     if (!progress(0.95f, "writing")) {
-        throw Stopped();
+        throw CancelledError();
     }
     const anatomy::Provenance provenance = anatomy::provenance_of(scenario.patient.shape, settings);
     anatomy::save_patient(patient, request.out, provenance);
     return report(patient, provenance, request.out);
 }
 
-/// What labels without a larynx still give, written beside the model that was not built.
-Result surfaces_instead(const BuildRequest& request, const imaging::Mask& labels, const std::string& why) {
+/// Writes the surfaces of labels without a larynx, in place of a model.
+Result write_surfaces_only(const BuildRequest& request, const imaging::Mask& labels, const std::string& why) {
     std::optional<imaging::Volume> ct;
     if (!request.volume.empty()) {
-        ct = read_told(request.volume).volume;
+        ct = read_volume(request.volume).volume;
     }
     const std::filesystem::path folder = stem_of_model(request.out) + "-surfaces";
     Result result = write_surfaces(make_surfaces(labels, ct ? &*ct : nullptr, {}, progress), folder);
@@ -131,8 +131,8 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     std::optional<LabelledAnatomy> anatomy;
     try {
         anatomy.emplace(labels, given, progress);
-    } catch (const NoLarynx& none) {
-        return surfaces_instead(request, labels, none.what());
+    } catch (const NoLarynxError& none) {
+        return write_surfaces_only(request, labels, none.what());
     } catch (const imaging::VolumeError& error) {
         throw imaging::VolumeError(request.in.front().string() + ": " + error.what());
     }
@@ -150,7 +150,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
         }
     }
     if (!progress(0.95f, "writing")) {
-        throw Stopped();
+        throw CancelledError();
     }
     anatomy::Provenance provenance = anatomy::provenance_of(settings);
     provenance["generator"] = meshes ? "surfaces" : "labels";

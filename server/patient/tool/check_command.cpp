@@ -8,7 +8,7 @@
 #include "common/process/stop_signal.hpp"
 #include "server/patient/model/model_file.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/patient/newborn/check_model.hpp"
+#include "server/patient/newborn/build/check_model.hpp"
 #include "server/patient/newborn/dimensions.hpp"
 #include "server/patient/tool/commands.hpp"
 
@@ -16,11 +16,11 @@ namespace eti::tool {
 
 namespace {
 
-/// Of a model that does not say its age, the usual one.
+/// Gestational age of a model, or the default if it does not state one.
 float age_of(const anatomy::Provenance& provenance, float weight) {
     const auto said = provenance.find("gestational_age_weeks");
     const float age = said == provenance.end() ? 0.0f : std::strtof(said->second.c_str(), nullptr);
-    return age > 0.0f ? age : usual_gestational_age(weight);
+    return age > 0.0f ? age : median_gestational_age(weight);
 }
 
 double degrees(float angle) {
@@ -42,8 +42,8 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
         result.text += fmt::format("{:<5} {:<62} {}\n", i.holds ? "ok" : "FAULT", i.name, i.found);
         result.json["invariants"].push_back({{"name", i.name}, {"holds", i.holds}, {"found", i.found}});
     }
-    if (stop_asked()) {
-        throw Stopped();
+    if (stop_requested()) {
+        throw CancelledError();
     }
 
     result.text += fmt::format("\n{:<42} {:>8}  {:>15}  {}\n", "dimension", "model", "published", "source");

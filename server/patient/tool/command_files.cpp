@@ -3,17 +3,17 @@
 #include <fmt/format.h>
 #include <cmath>
 
-#include "common/process/folder.hpp"
+#include "common/process/files/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "server/patient/tool/commands.hpp"
 
 namespace eti::tool {
 
-imaging::Reading read_told(const std::filesystem::path& file) {
+imaging::LoadedVolume read_volume(const std::filesystem::path& file) {
     (void)progress(0.0f, "reading " + file.string());
-    imaging::Reading reading = imaging::read(file);
-    if (stop_asked()) {
-        throw Stopped();
+    imaging::LoadedVolume reading = imaging::read(file);
+    if (stop_requested()) {
+        throw CancelledError();
     }
     for (const std::string& text : reading.remarks) {
         remark(text);
@@ -22,7 +22,7 @@ imaging::Reading read_told(const std::filesystem::path& file) {
 }
 
 imaging::Mask read_labels(const std::filesystem::path& file) {
-    const imaging::Reading reading = read_told(file);
+    const imaging::LoadedVolume reading = read_volume(file);
     imaging::Mask labels{reading.volume.geometry, {}};
     labels.value.reserve(reading.volume.value.size());
     for (const float v : reading.volume.value) {

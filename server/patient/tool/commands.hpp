@@ -13,17 +13,17 @@
 
 namespace eti::tool {
 
-/// What the command line asked for; set while it is parsed.
+/// The selected command; set by parsing the command line.
 using Run = std::function<Result()>;
 
 void add_build(CommandLine& app, Run& run);
 void add_check(CommandLine& app, Run& run);
 
-/// Options for every parameter of the newborn's shape.
+/// Options for all parameters of the newborn's shape.
 class ShapeOptions {
   public:
     explicit ShapeOptions(CommandLine& command);
-    /// The shape that was asked for. Throws std::runtime_error where there is no such newborn.
+    /// The requested shape. Throws std::runtime_error if there is no such newborn.
     [[nodiscard]] NewbornShape shape() const;
     /// Whether any of the options was given.
     [[nodiscard]] bool any() const;
@@ -33,12 +33,12 @@ class ShapeOptions {
     std::shared_ptr<Typed> typed_;
 };
 
-/// Reads a volume and passes on what is remarkable about it. Throws imaging::VolumeError, Stopped.
-[[nodiscard]] imaging::Reading read_told(const std::filesystem::path& file);
-/// Reads labels as eti-anatomy numbers them.
+/// Reads a volume and prints its remarks. Throws imaging::VolumeError, CancelledError.
+[[nodiscard]] imaging::LoadedVolume read_volume(const std::filesystem::path& file);
+/// Reads labels with eti-anatomy's numbering.
 [[nodiscard]] imaging::Mask read_labels(const std::filesystem::path& file);
 
-/// Writes each surface as STL into a folder, which is made, and says so.
+/// Writes each surface as STL into a folder, which is created, and reports it.
 [[nodiscard]] Result write_surfaces(const std::vector<NamedSurface>& surfaces,
                                     const std::filesystem::path& folder);
 

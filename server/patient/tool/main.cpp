@@ -15,7 +15,7 @@
 #include "server/patient/segmentation/agreement.hpp"
 #include "server/patient/segmentation/phantom.hpp"
 #include "server/patient/segmentation/picture.hpp"
-#include "server/patient/segmentation/points_file.hpp"
+#include "server/patient/segmentation/placement/points_file.hpp"
 #include "server/patient/segmentation/segment.hpp"
 #include "server/patient/segmentation/surfaces.hpp"
 #include "server/patient/tool/commands.hpp"
@@ -65,7 +65,7 @@ Vec3d centre_of(const Segmentation& found) {
     if (const auto it = found.points.find("tongue"); it != found.points.end()) {
         return it->second.front();
     }
-    // Without a tongue, the middle of the airway.
+    // Without a tongue, the centre of the airway.
     Vec3d sum = Vec3d::Zero();
     double count = 0.0;
     const imaging::Geometry& g = found.labels.geometry;
@@ -82,7 +82,7 @@ Vec3d centre_of(const Segmentation& found) {
 Result run_segment(SegmentRequest request) {
     (void)imaging::format_of(request.out);
     const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
-    const imaging::Volume ct = read_told(request.in).volume;
+    const imaging::Volume ct = read_volume(request.in).volume;
     std::optional<imaging::Mask> truth;
     if (!request.truth.empty()) {
         truth = read_labels(request.truth);
@@ -99,8 +99,8 @@ Result run_segment(SegmentRequest request) {
     }
     (void)progress(0.95f, "drawing");
     const imaging::Bytes png = imaging::encode_png(draw(ct, found.labels, centre_of(found)));
-    if (stop_asked()) {
-        throw Stopped();
+    if (stop_requested()) {
+        throw CancelledError();
     }
     imaging::write_bytes(request.picture, png);
     imaging::write_text(landmarks, encode_points(found.points));
@@ -159,7 +159,7 @@ Result run_surfaces(const path& in, const path& ct_file, const path& folder,
     const imaging::Mask labels = read_labels(in);
     std::optional<imaging::Volume> ct;
     if (!ct_file.empty()) {
-        ct = read_told(ct_file).volume;
+        ct = read_volume(ct_file).volume;
     }
     std::vector<NamedSurface> surfaces;
     try {
@@ -214,7 +214,7 @@ int main(int argc, char** argv) {
         "segment",
         "Cut a CT of head and neck into labels: airway, bone, mandible, spine, tongue, soft tissue");
     SegmentRequest request;
-    // What twelve bits of a scanner hold.
+    // The range of a scanner's twelve bits.
     const NumberLimits<float> hounsfield{-1024.0f, 3071.0f, "HU"};
     double closing_mm = 1e3 * static_cast<double>(request.settings.closing);
     segment.add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project").required();
@@ -285,7 +285,7 @@ int main(int argc, char** argv) {
         clear_progress();
         std::cout << (json ? result.json.dump(2) + "\n" : escaped_lines(result.text));
         return result.status;
-    } catch (const Stopped& error) {
+    } catch (const CancelledError& error) {
         remark(error.what());
         return status_interrupted;
     } catch (const std::bad_alloc&) {
@@ -294,7 +294,7 @@ int main(int argc, char** argv) {
             "spacing");
         return status_refused;
     } catch (const std::exception& error) {
-        remark(stop_asked() ? "stopped; nothing was written" : error.what());
-        return stop_asked() ? status_interrupted : status_refused;
+        remark(stop_requested() ? "stopped; nothing was written" : error.what());
+        return stop_requested() ? status_interrupted : status_refused;
     }
 }

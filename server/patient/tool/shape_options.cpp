@@ -39,11 +39,11 @@ NewbornShape ShapeOptions::shape() const {
         if (typed_->values[i]) {
             shape.*shape_fields[i].value = *typed_->values[i] * shape_fields[i].per_unit;
             if (shape_fields[i].value == &NewbornShape::weight) {
-                shape.gestational_age = usual_gestational_age(shape.weight);
+                shape.gestational_age = median_gestational_age(shape.weight);
             }
         }
     }
-    if (const std::string why = implausible(shape); !why.empty()) {
+    if (const std::string why = implausibility(shape); !why.empty()) {
         throw std::runtime_error(why);
     }
     return shape;

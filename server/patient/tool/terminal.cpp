@@ -18,7 +18,7 @@ ProgressBar bar;
 
 bool draw_progress(float share, std::string_view what) {
     bar.draw(share, what);
-    return !stop_asked();
+    return !stop_requested();
 }
 
 void clear_progress() {

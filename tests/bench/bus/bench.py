@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What the bus costs, and what it does over poor links: tables of latency, joins, scenes, observers and endurance."""
+"""Cost of the bus, and its behaviour over poor links: tables of latency, joins, scenes, observers and endurance."""
 
 import argparse
 import math
@@ -15,7 +15,7 @@ import runs
 import scenes
 import soak
 
-# Each: rows of a table, from the options.
+# Each returns the rows of a table, from the options.
 TABLES = {
     "latency": lambda o: latency.measure(o.bin, 2, (20,), (0, 5)) if o.quick else latency.measure(o.bin, 10),
     "joins": lambda o: (joins.measure(o.bin, 3, joins.LINKS[1:2], ("UDP, loopback",)) if o.quick

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "client/view/scene_view.hpp"
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/stop_signal.hpp"
 #include "tests/bench/bus/parts.hpp"
 
@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 
 constexpr float same_place = 1e-6f;  // [m]; poses travel as floats
 
-/// Seconds since boot at which this process began: field 22 of /proc/self/stat, in ticks.
+/// Start time of this process in seconds since boot: field 22 of /proc/self/stat, in ticks.
 double began() {
     std::ifstream file("/proc/self/stat");
     std::string text;
@@ -65,7 +65,7 @@ nlohmann::json join(const PartOptions& options) {
         pose_topic.emplace(node, bus::topics::laryngoscope_pose);
     }
     note("participant");
-    // Its own place, so that a proxy that answers another device's pose does not count.
+    // A unique position, so that a proxy that answers another device's pose does not count.
     const Vec3f place(0.0f, -0.3f, 0.2f + 1e-4f * static_cast<float>(::getpid() % 1000));
     msg::ToolPose pose;
     pose.pose(bus::to_msg(RigidTransform::from(Quatf::Identity(), place)));
@@ -78,7 +78,7 @@ nlohmann::json join(const PartOptions& options) {
     const char* const whole = options.drive ? "answered" : "state";
     const auto end = Clock::now() + std::chrono::duration<double>(options.wait_s);
     while (!(at.contains("scene") && at.contains("proxy") && at.contains(whole))) {
-        if (stop_asked() || Clock::now() > end) {
+        if (stop_requested() || Clock::now() > end) {
             break;
         }
         while (description_topic.take(description)) {
@@ -112,7 +112,7 @@ nlohmann::json join(const PartOptions& options) {
         fmt::print("{}\n", at.dump());
         std::fflush(stdout);
         for (const auto until = Clock::now() + std::chrono::duration<double>(options.stay_s);
-             Clock::now() < until && !stop_asked();) {
+             Clock::now() < until && !stop_requested();) {
             while (state_topic.take(state) || proxy_topic.take(proxy)) {
             }
             if (pose_topic) {

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""How long a program takes to have its place in a session: at first, and again after kill -9."""
+"""Time for a program to join a session: initially, and again after kill -9."""
 
 import runs
 
-STEADY_AFTER = 0.5      # [s] that a program which is to be killed has run
+STEADY_AFTER = 0.5      # [s] of run time before a program is killed
 GIVEN_UP_AFTER = 15.0   # [s]
 QUIET = 3.0             # [s] after all of them
 
-# As in the places where a program runs: (name, delay [ms], loss [%]).
+# Places where a program runs: (name, delay [ms], loss [%]).
 LINKS = (("1 ms", 1, 0), ("20 ms, 1 %", 20, 1), ("20 ms, 5 %", 20, 5))
 
 
 def in_turn(place, server, host, count, killed):
-    """`count` joins one after another, or fewer where the server ends over them. `killed`: each of them is killed once
-    it has joined, and the next takes its place at once; else each ends by itself."""
+    """`count` consecutive joins, or fewer if the server ends. `killed`: each is killed once it has joined, and the next
+    replaces it at once; otherwise each ends by itself."""
     times = []
     for number in range(count + (1 if killed else 0)):
         if not server.running():
@@ -25,7 +25,7 @@ def in_turn(place, server, host, count, killed):
             at = part.line()
             runs.pause(STEADY_AFTER)
             part.kill()
-            if number == 0:     # the first takes nobody's place
+            if number == 0:     # the first replaces no other
                 continue
         else:
             at = part.result(GIVEN_UP_AFTER + runs.ENDED_WITHIN)
@@ -34,7 +34,7 @@ def in_turn(place, server, host, count, killed):
 
 
 def row(where, how, count, times):
-    """Those that found no server any more have not joined."""
+    """A join without a server does not count."""
     joined = [at for at in times if at["joined"]]
     out = {"where": where, "how": how, "tries": count, "joined": len(joined)}
     for what in ("scene", "answered"):
@@ -55,10 +55,10 @@ def measure(bin_folder, count, links=LINKS, local=tuple(runs.LOCAL)):
         for how, killed in (("joins", False), ("takes the place of one killed", True)):
             with runs.Place(bin_folder, names, medium, meet) as place:
                 server = place.server(names[0])
-                # The server's own and those that live as long as it does.
+                # The server's own files and those that live as long as it does.
                 before = len(place.hosts[host].shared_memory_files())
                 found = row(where, how, count, in_turn(place, server, host, count, killed))
-                # Those that are gone should cost nothing any more.
+                # Departed programs should cost nothing any more.
                 cost = server.processor_seconds() if server.running() else 0.0
                 runs.pause(QUIET)
                 found["server_survived"] = int(server.running())

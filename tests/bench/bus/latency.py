@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Poses at 1 kHz, one way, through the bus's own endpoints: how old they arrive, and how many do."""
+"""Poses at 1 kHz, one way, through the bus's own endpoints: their age on arrival, and the share that arrives."""
 
 import runs
 
 DELAYS = (1, 5, 20)     # [ms]
 LOSSES = (0, 1, 5)      # [%]
-START = 20.0            # [s] that a start may take beside the measurement
+START = 20.0            # [s] for the start, in addition to the measurement
 
 
 def measure(bin_folder, seconds, delays=DELAYS, losses=LOSSES):

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// eti-bench-bus: what the bus costs and what it does over poor links. The benches themselves are bench.py
-// beside this file, which puts processes on hosts; those processes are this program, too.
+// eti-bench-bus: cost of the bus, and its behaviour over poor links. The benches themselves are in bench.py
+// beside this file, which starts processes on hosts; those processes run this program, too.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@ int run_script(int argc, char** argv) {
     std::vector<std::string> words{"python3", "-B", ETI_BUS_BENCH, "--bin", programs};
     bool named = false;
     for (int i = 1; i < argc; ++i) {
-        // The bench's own name has brought us here.
+        // The launcher passes the bench's own name.
         if (!named && std::string_view(argv[i]) == "bus") {
             named = true;
         } else {

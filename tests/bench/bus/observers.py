@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What observers cost the server: its step, its network, its processor; each on a host of its own."""
+"""Cost of observers for the server: its step, its network, its processor; each observer on a host of its own."""
 
 import json
 import tempfile
@@ -18,13 +18,13 @@ def sent_bytes(host):
 
 
 def measure(bin_folder, seconds, counts=COUNTS):
-    """Steps are those of the whole run: joins count. The rest is what goes on once all have the scene."""
+    """Steps are those of the whole run, including joins. The rest is measured once all have the scene."""
     rows = []
     for count in counts:
         names = ("server", *(f"observer{number}" for number in range(count)))
         with tempfile.TemporaryDirectory() as folder, runs.Place(bin_folder, names, {"delay": 1}) as place:
             server = place.server("server", "--operator", runs.restless(folder), "--json")
-            # Until they are ended: the first join long before the last.
+            # They run until they are ended: the first joins long before the last.
             observers = [place.part(name, "read-states", "--seconds", 600, "--wait", 60) for name in names[1:]]
             if not all(observer.line()["scene_ms"] for observer in observers):
                 raise RuntimeError(f"not each of {count} observers got the scene within 60 s")

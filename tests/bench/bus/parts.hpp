@@ -13,31 +13,31 @@ namespace eti::bench {
 
 using Clock = std::chrono::steady_clock;
 
-/// One end of a measurement: a process that bench.py starts on one of its hosts. Each part returns what it
-/// prints.
+/// One endpoint of a measurement: a process that bench.py starts on one of its hosts. Each part returns its
+/// output.
 struct PartOptions {
     bus::Options bus{};
-    double seconds = 5.0;           ///< how long it measures
-    double wait_s = 20.0;           ///< how long it waits for the other end
-    double stay_s = 0.0;            ///< how long it goes on after its report, so that it can be killed
+    double seconds = 5.0;           ///< duration of the measurement
+    double wait_s = 20.0;           ///< timeout for the other endpoint
+    double stay_s = 0.0;            ///< keeps running this long after its report, so that it can be killed
     double rate = 1000.0;           ///< [Hz]
     bool drive = false;             ///< a join counts once the server answers a pose
     bool every_state = false;       ///< 90 Hz, else 30 Hz
-    std::filesystem::path keep{};   ///< the states that arrived go into this file
-    std::filesystem::path other{};  ///< such a file of another reader, whose drawn error is wanted
+    std::filesystem::path keep{};   ///< file for the received states
+    std::filesystem::path other{};  ///< such a file of another reader, whose drawing error is measured
 };
 
-/// Joins a session: times [ms] since the process began to when it has this and that.
+/// Joins a session: times [ms] from process start to each milestone.
 [[nodiscard]] nlohmann::json join(const PartOptions& options);
 /// Publishes poses of the laryngoscope.
 [[nodiscard]] nlohmann::json write_poses(const PartOptions& options);
-/// Reads them; how old they arrive [us].
+/// Reads them; their age on arrival [us].
 [[nodiscard]] nlohmann::json read_poses(const PartOptions& options);
 /// Follows the scene as a client does, without drawing; reports when it has the scene, and at its end. With
-/// `other` it follows until that file is there, and says what a client draws wrongly that lacks what the
-/// other reader did not get.
+/// `other`, follows until that file exists, and reports the drawing error of a client that lacks the samples
+/// missed by the other reader.
 [[nodiscard]] nlohmann::json read_states(const PartOptions& options);
-/// Of this process's beginning until now [ms].
+/// Time since this process started [ms].
 [[nodiscard]] double since_start_ms();
 
 }  // namespace eti::bench

@@ -9,7 +9,7 @@
 
 namespace eti::bench {
 
-/// Percentiles, most and count of samples; without samples only the count.
+/// Percentiles, maximum and count of samples; without samples only the count.
 [[nodiscard]] inline nlohmann::json percentiles(std::vector<double> samples) {
     nlohmann::json out{{"count", samples.size()}};
     if (samples.empty()) {

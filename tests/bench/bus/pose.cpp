@@ -3,7 +3,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
 #include "tests/bench/bus/parts.hpp"
@@ -19,7 +19,7 @@ template <class Endpoint>
 bool meets(const Endpoint& endpoint, double patience_s) {
     const auto end = Clock::now() + std::chrono::duration<double>(patience_s);
     while (endpoint.matched() == 0) {
-        if (stop_asked() || Clock::now() > end) {
+        if (stop_requested() || Clock::now() > end) {
             return false;
         }
         std::this_thread::sleep_for(5ms);
@@ -36,7 +36,7 @@ nlohmann::json write_poses(const PartOptions& options) {
     if (!meets(topic, options.wait_s)) {
         return {{"matched", false}};
     }
-    // The other end matches at its own time.
+    // The other endpoint needs time to match.
     std::this_thread::sleep_for(500ms);
     msg::ToolPose pose;
     pose.pose(bus::to_msg(RigidTransform{}));
@@ -44,7 +44,7 @@ nlohmann::json write_poses(const PartOptions& options) {
         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / options.rate));
     const auto count = static_cast<std::uint32_t>(options.seconds * options.rate);
     auto due = Clock::now();
-    for (std::uint32_t number = 1; number <= count && !stop_asked(); ++number) {
+    for (std::uint32_t number = 1; number <= count && !stop_requested(); ++number) {
         std::this_thread::sleep_until(due += period);
         pose.header(bus::make_header(0, number));
         topic.publish(pose);
@@ -55,10 +55,10 @@ nlohmann::json write_poses(const PartOptions& options) {
 nlohmann::json read_poses(const PartOptions& options) {
     const RealTimeThreads real_time(priority::bus);
     bus::Node node(options.bus);
-    // The server keeps the newest alone. Here all are kept, so that what is missing was lost, and not
+    // The server keeps only the newest. This reader keeps all, so that a missing sample was lost, not
     // replaced by a newer one while this reader waited for a processor.
     auto all = bus::topics::laryngoscope_pose;
-    all.quality.depth = 4096;
+    all.qos.depth = 4096;
     bus::Subscriber<msg::ToolPose> topic(node, all);
     if (!meets(topic, options.wait_s)) {
         return {{"matched", false}};
@@ -66,8 +66,8 @@ nlohmann::json read_poses(const PartOptions& options) {
     std::vector<double> ages;
     msg::ToolPose pose;
     std::uint32_t first = 0, last = 0;
-    // The writer begins half a second after it has met this reader, and a lossy link takes its time.
-    for (auto quiet_at = Clock::now() + 5s; Clock::now() < quiet_at && !stop_asked();) {
+    // The writer begins half a second after matching this reader, and a lossy link takes longer.
+    for (auto quiet_at = Clock::now() + 5s; Clock::now() < quiet_at && !stop_requested();) {
         if (!topic.wait(100ms)) {
             continue;
         }

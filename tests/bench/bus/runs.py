@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What the benches of the bus share: places where programs run, their start and end, tables."""
+"""Common to the benches of the bus: places where programs run, their start and end, tables."""
 
 import csv
 import json
@@ -20,13 +20,13 @@ LOADED_WITHIN = 180.0    # [s] for a server to build its patient on a busy machi
 ENDED_WITHIN = 20.0      # [s] after SIGTERM
 SESSION = "bench"
 DOMAIN = 101 + os.getpid() % 100
-# How programs of one machine meet: as they do by themselves, or by shared memory.
-LOCAL = {"UDP, loopback": [], "shared memory": ["--profile", ROOT / "deploy/dds/shared_memory.xml"]}
+# Transports between programs of one machine: the default, or shared memory.
+LOCAL = {"UDP, loopback": [], "shared memory": ["--profile", ROOT / "deploy/data/dds/shared_memory.xml"]}
 NETWORK = ["--network"]
 
 
 class Process:
-    """A program on a host, or on this machine where host is None; ended with this script."""
+    """A program on a host, or on this machine if host is None; ends with this script."""
 
     def __init__(self, bin_folder, host, program, *arguments, log=None):
         command = [*(host.enter() if host else []), Path(bin_folder) / program, *arguments]
@@ -44,21 +44,21 @@ class Process:
         return self.process.poll() is None
 
     def line(self):
-        """The next line that it prints, as JSON."""
+        """The next line of its output, as JSON."""
         text = self.process.stdout.readline()
         if not text:
             raise RuntimeError(f"{self.process.args}: ended without a word; exit status {self.process.wait()}")
         return json.loads(text)
 
     def result(self, timeout):
-        """The last line that it prints, as JSON."""
+        """The last line of its output, as JSON."""
         said, _ = self.process.communicate(timeout=timeout)
         if self.process.returncode != 0:
             raise RuntimeError(f"{self.process.args}: exit status {self.process.returncode}")
         return json.loads(said.splitlines()[-1])
 
     def end(self, number=signal.SIGTERM):
-        """What it had printed, if anything; kills it if it does not end."""
+        """Ends it, by killing if necessary; returns its remaining output, if any."""
         if self.running():
             self.process.send_signal(number)
         try:
@@ -76,16 +76,16 @@ class Process:
         self.process.communicate()
 
     def processor_seconds(self):
-        """User and system time that it has taken so far."""
+        """User and system time used so far."""
         fields = Path(f"/proc/{self.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Place:
-    """Where a bench's programs run: one machine, or several hosts on a medium. Ends all of it when left."""
+    """Where a bench's programs run: one machine, or several hosts on a medium. A context manager that ends all of them."""
 
     def __init__(self, bin_folder, names=("alone",), medium=None, meet=None):
-        """`medium`: arguments of hosts.Medium; None: the hosts are not joined. `meet`: options by which they meet."""
+        """`medium`: arguments of hosts.Medium; None: the hosts are not joined. `meet`: discovery options."""
         self.bin = Path(bin_folder)
         self.names, self.medium_options = names, medium
         self.meet = meet if meet is not None else (NETWORK if medium is not None else [])
@@ -121,7 +121,7 @@ class Place:
         return self.start(host, "eti-bench-bus", name, *arguments, **options)
 
     def server(self, host, *arguments, **options):
-        """A server that has its patient and is found."""
+        """A server that has built its patient and has been discovered."""
         process = self.start(host, "eti-server", *arguments, **options)
         wait = ["--wait", LOADED_WITHIN]
         if not self.part(host, "join", *wait).result(LOADED_WITHIN + 10)["joined"]:
@@ -130,8 +130,8 @@ class Place:
 
 
 def restless(folder):
-    """An operator file: goes in as the novice does, then levers on the gum and lets go for two minutes."""
-    into, _, lever = (ROOT / "deploy/operators/novice.yaml").read_text().partition("  - stage: lever on the gum 1\n")
+    """An operator file: inserts the blade as the novice does, then levers on the gum and releases it for two minutes."""
+    into, _, lever = (ROOT / "deploy/data/operators/novice.yaml").read_text().partition("  - stage: lever on the gum 1\n")
     lever = "  - stage: lever on the gum 1\n" + lever.partition("  - stage: lever on the gum 2\n")[0]
     file = Path(folder) / "restless.yaml"
     file.write_text(into + "".join(lever.replace(" 1\n", f" {number}\n") for number in range(1, 101)))
@@ -139,7 +139,7 @@ def restless(folder):
 
 
 def percentile(values, share):
-    """As eti-bench-bus has it: the sample at that share of the sorted ones."""
+    """As in eti-bench-bus: the sample at that share of the sorted ones."""
     return sorted(values)[int(share * (len(values) - 1))]
 
 

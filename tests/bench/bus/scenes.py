@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A client that follows a blade that levers and lets go: when it has the scene, how old what it draws is, and what it draws wrongly."""
+"""A client that follows a blade that levers and releases: time until it has the scene, age of what it draws, and its
+error."""
 
 import tempfile
 from pathlib import Path

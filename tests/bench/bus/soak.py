@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A session in which programs come and go and are killed: what of the server grows."""
+"""A session whose programs join, leave and are killed: growth of the server's resources."""
 
 import random
 import signal
 import time
 
-import runs  # finds the next, too
+import runs  # makes the next import work, too
 from of_process import of_process
 
 SAMPLE_EVERY = 5.0      # [s]
-TURN = 1.0              # [s] between two comings or goings
-COMPANY = 4             # programs that are there at a time
+TURN = 1.0              # [s] between two joins or departures
+COMPANY = 4             # programs present at a time
 
 
 def measure(bin_folder, minutes, log):
-    """Rows every few seconds. `log`: of the server."""
+    """Rows every few seconds. `log`: the server's."""
     chance = random.Random(1)
     rows, company = [], []
     joined = left = killed = failed = 0
@@ -27,7 +27,7 @@ def measure(bin_folder, minutes, log):
             if not server.running():
                 raise RuntimeError(f"the server ended by itself after {time.monotonic() - began:.0f} s; see {log}")
             if len(company) >= COMPANY:
-                # The oldest, which has had its time to join.
+                # The oldest, which has had time to join.
                 part = company.pop(0)
                 failed += 0 if part.line()["joined"] else 1
                 if chance.random() < 0.5:
@@ -51,7 +51,7 @@ def measure(bin_folder, minutes, log):
 
 
 def growth(rows, name):
-    """Mean of the last quarter minus that of the second: the first fills what is filled once."""
+    """Mean of the last quarter minus that of the second: the first one includes one-time allocations."""
     quarter = max(1, len(rows) // 4)
 
     def mean(part):

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "client/view/scene_view.hpp"
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/stop_signal.hpp"
-#include "tests/bench/bus/drawn.hpp"
 #include "tests/bench/bus/parts.hpp"
 #include "tests/bench/bus/percentiles.hpp"
+#include "tests/bench/bus/surface_error.hpp"
 
 namespace eti::bench {
 
@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds picture_every{16'667};  // a display of 60 Hz
 constexpr std::chrono::minutes other_within{5};
-// States that came while the scene still did waited for it; their age says nothing of those that follow.
+// States that arrived while the scene was incomplete waited for it; their age says nothing about later ones.
 constexpr std::chrono::seconds settling{2};
 
 double age_ms(const msg::Header& header) {
@@ -30,7 +30,7 @@ double age_ms(const msg::Header& header) {
 }
 
 bus::Options as_client(bus::Options options) {
-    options.one_of_many = true;
+    options.shared_multicast = true;
     return options;
 }
 
@@ -47,7 +47,7 @@ class Reader {
     bool wait_for_scene(double seconds) {
         const auto end = Clock::now() + std::chrono::duration<double>(seconds);
         while (!view_.complete()) {
-            if (stop_asked() || Clock::now() > end) {
+            if (stop_requested() || Clock::now() > end) {
                 return false;
             }
             while (description_.take(description_message_)) {
@@ -66,8 +66,8 @@ class Reader {
     void follow(const Until& over) {
         steady_at_ = Clock::now() + settling;
         auto picture = Clock::now() + picture_every;
-        while (!over() && !stop_asked()) {
-            // A picture shows what has come until it is drawn; until then what comes is only taken.
+        while (!over() && !stop_requested()) {
+            // A picture shows what arrives before it is drawn; until then samples are only taken.
             (void)states_.wait(
                 std::max(1ms, std::chrono::duration_cast<std::chrono::milliseconds>(picture - Clock::now())));
             take();
@@ -158,10 +158,10 @@ nlohmann::json read_states(const PartOptions& options) {
     }
     nlohmann::json out = reader.report();
     if (!options.keep.empty()) {
-        keep(options.keep, reader.chunks());
+        save_chunks(options.keep, reader.chunks());
     }
     if (!options.other.empty()) {
-        out["other"] = drawn_error(reader.rest(), reader.chunks(), kept(options.other));
+        out["other"] = surface_error(reader.rest(), reader.chunks(), load_chunks(options.other));
     }
     return out;
 }

@@ -35,7 +35,7 @@ std::array<GapSurface, 3> gap_surfaces() {
     }};
 }
 
-/// How long forces are held, and when they are gone [s].
+/// How long forces are held, and when they have faded [s].
 struct Hold {
     double held, gone;
 
@@ -86,7 +86,7 @@ struct Scene {
     double speed;  ///< [m/s], as Moving's
 
     [[nodiscard]] LoopCase loop(Pattern pattern) const {
-        constexpr double far = 0.010;  // [m], farther than the hand follows
+        constexpr double far = 0.010;  // [m], more than the hand follows
         LoopCase out;
         out.medium = surface.medium;
         out.move = surface.move;
@@ -121,8 +121,8 @@ void run(const Scene& scene, Pattern pattern, const std::vector<double>& lengths
 }  // namespace
 
 void press_through_gaps(const GapsOptions& options) {
-    // [m/s]. Head and jaw turn by 0.17 rad/s each at most, and no part of the gums is farther than 59 mm from
-    // the neck's joint and 46 mm from the jaw's: 10 mm/s of the upper gum, 19 of the lower.
+    // [m/s]. Head and jaw rotate at 0.17 rad/s each at most, and no part of the gums is farther than 59 mm
+    // from the neck's joint and 46 mm from the jaw's. That makes 10 mm/s of the upper gum, 19 of the lower.
     constexpr double fastest = 0.020, usual = 0.010;
     Table table(options.out, "haptics-gaps.csv",
                 "surface,grip,pattern,patient_mm_per_s,gap_ms,held_ms,gone_ms,excursion_mm,away_rms_mm,"

@@ -11,10 +11,10 @@ struct GapsOptions {
     bool quick = false;  ///< one surface, grip and patient
 };
 
-/// Gaps between messages while a hand presses on a wall, on tissue, or levers, on a patient that rests or
-/// moves as fast as the server lets it: how far the device is from where it would be without gaps, and for
-/// how much of the time it has all of the force, where forces are let go of at once, held for a while, and
-/// held on. By the virtual clock. Writes haptics-gaps.csv.
+/// Gaps between messages while a hand presses on a wall, presses on tissue, or levers. The patient rests or
+/// moves as fast as the server allows. Measures the device's deviation from its path without gaps, and the
+/// share of the time with full force, where forces are released at once, held for a while, or held on. By the
+/// virtual clock. Writes haptics-gaps.csv.
 void press_through_gaps(const GapsOptions& options);
 
 }  // namespace eti::bench

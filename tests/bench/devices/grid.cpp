@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/device/hand.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "tests/bench/devices/relay.hpp"
@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// Closed mouth, coarse particles: tissue plays no part, and a loaded machine's server keeps up.
+// Closed mouth, coarse particles: tissue is not involved, and the server keeps up even on a loaded machine.
 constexpr const char* scenario = R"(
 name: wall
 patient: {weight_kg: 3.5, head_elevation_deg: 0, jaw_opening_deg: 0}
@@ -39,10 +39,10 @@ constexpr float engaged_after = 0.9f;             // [s], out of contact, with t
 constexpr float bumped_at = 1.4f, bump = 1e-3f;   // [s], [m] for 20 ms
 constexpr float watched_from = 2.0f;              // [s]
 constexpr float cell_length = 3.05f;              // [s]
-constexpr std::chrono::seconds patience{20};      // that the blade takes to its place
-constexpr int most_passes = 4;                    // over the cells that were not measured yet
+constexpr std::chrono::seconds patience{20};      // timeout for the blade to reach its position
+constexpr int most_passes = 4;                    // over the cells not yet measured
 
-/// Where the blade is pressed: it lies across `normal`, which points out of the wall.
+/// Where the blade is pressed: it lies perpendicular to `normal`, which points out of the wall.
 struct Place {
     Vec3f contact = Vec3f::Zero(), normal = -Vec3f::UnitY(), blade = Vec3f::UnitX();
 
@@ -64,7 +64,7 @@ class PressingHand final : public devices::Sensor {
         wanted_ = hand_.motion().pose;
     }
 
-    /// From now on; not while a loop runs.
+    /// Starts a plan; not while a loop runs.
     void begin(const Place& place, Plan plan) {
         place_ = place;
         plan_ = plan;
@@ -97,7 +97,7 @@ class PressingHand final : public devices::Sensor {
         reading.sample = ++sample_;
         return reading;
     }
-    [[nodiscard]] devices::Abilities abilities() const override {
+    [[nodiscard]] devices::DeviceCapabilities capabilities() const override {
         return {
             .force = CouplingSettings{}.force_limit, .torque = CouplingSettings{}.torque_limit, .rate = 0.0f};
     }
@@ -110,7 +110,7 @@ class PressingHand final : public devices::Sensor {
         return out;
     }
     void step(const Wrench& wrench, float dt) {
-        constexpr float fastest = 0.1f, turning = 2.0f;  // [m/s], [rad/s], where the plan jumps
+        constexpr float fastest = 0.1f, turning = 2.0f;  // [m/s], [rad/s], limits where the plan jumps
         time_ += dt;
         const RigidTransform goal = place_.pose(plan_(time_), radius_);
         const Vec3f way = goal.translation - wanted_.translation;
@@ -153,13 +153,13 @@ float press(float time) {
     return std::max(pressed, above - approach * (time - engaged_after)) + bumped;
 }
 
-/// The stiffnesses of one delay and loss, with the controller or without, from the lowest upwards.
+/// The stiffnesses of one delay and loss, with or without the controller, in ascending order.
 struct Ladder {
     bool passivity;
     Channel channel;
     std::vector<GridOutcome> outcomes;
 
-    /// Up to and with the first that is known not to be stable: those above are not tried.
+    /// Number of stiffnesses up to and including the first unstable one: higher ones are not tried.
     [[nodiscard]] std::size_t steps() const {
         const auto first = std::ranges::find_if(
             outcomes, [](const GridOutcome& o) { return o.not_measured.empty() && !o.stable(); });
@@ -179,7 +179,7 @@ class Stage {
           server_((std::ofstream(file_) << scenario, file_.string()), there_, domain_),
           relay_(place(there_, domain_, "relay"), place(here_, domain_, "relay"), {}),
           node_(place(here_, domain_, "eti-haptics")),
-          link_(node_, devices::SceneLink::Feel::tissue),
+          link_(node_, devices::SceneLink::ForceSource::tissue),
           listener_(place(there_, domain_, "listener")),
           proxies_(listener_, bus::topics::proxy),
           statuses_(listener_, bus::topics::session_status),
@@ -232,10 +232,10 @@ class Stage {
     }
 
   private:
-    /// Moves towards the bridge of the nose until the server reports a contact, and takes its place and
+    /// Moves towards the bridge of the nose until the server reports a contact, and stores its position and
     /// normal.
     void find_wall() {
-        wall_.contact = {0.0f, -0.03f, 0.02f};  // just above the nose's bridge
+        wall_.contact = {0.0f, -0.03f, 0.02f};  // just above the bridge of the nose
         hand_.begin(wall_, search);
         devices::HapticLoop loop(node_, hand_, link_.newest(), {});
         const auto end = Clock::now() + patience;
@@ -252,7 +252,7 @@ class Stage {
                 contacts, {}, [](const msg::ShellContact& contact) { return contact.force(); });
             found = most.force() > 0.0f;
             wall_.contact = bus::from_msg(most.position());
-            // The blade stays across: of the normal only what is square to it.
+            // The blade stays perpendicular: only the component of the normal across it counts.
             const Vec3f normal = bus::from_msg(most.normal());
             wall_.normal = (normal - normal.dot(wall_.blade) * wall_.blade).normalized();
         }
@@ -303,7 +303,7 @@ void run_grid(const GridPlan& plan, const std::function<void(const GridCell&, co
         }
     }
     Stage stage;
-    // What a busy machine kept from being measured is tried again when the others have had their turn.
+    // A cell that a busy machine made invalid is repeated after the others.
     for (int pass = 0; pass < most_passes; ++pass) {
         for (Ladder& ladder : ladders) {
             for (std::size_t i = 0; i < ladder.steps() && Clock::now() < end; ++i) {

@@ -12,8 +12,8 @@
 #include "tests/bench/devices/gaps.hpp"
 #include "tests/bench/devices/grid.hpp"
 #include "tests/bench/devices/live.hpp"
+#include "tests/bench/server/accuracy/tongue_laws.hpp"
 #include "tests/bench/server/table.hpp"
-#include "tests/bench/server/tongue_laws.hpp"
 #include "tests/validation/haptics/closed_loop.hpp"
 
 namespace eti::bench {
@@ -36,7 +36,7 @@ constexpr std::array<RenderedSurface, 3> rendered_surfaces = {{
 
 constexpr double period = 1e-3;  // [s]
 
-/// What damps the device besides what is rendered [N s/m].
+/// Damping of the device apart from the rendered one [N s/m].
 double damping_of(const Grip& grip) {
     return static_cast<double>(HandSettings{}.device_damping + grip.damping);
 }
@@ -45,13 +45,13 @@ double virtual_damping_of(Medium medium) {
     return medium == Medium::wall ? static_cast<double>(CouplingSettings{}.damping) : 0.0;
 }
 
-/// Passive whatever the hand: b > K T / 2 + B (Colgate & Schenkel 1997), with the hand's damping in b.
+/// Passive for any hand: b > K T / 2 + B (Colgate & Schenkel 1997), with the hand's damping in b.
 double passive_stiffness(const RenderedSurface& surface, const Grip& grip) {
     return 2.0 * (damping_of(grip) - virtual_damping_of(surface.medium)) / period;
 }
 
-/// Stable with a force that is late by t: K < (b + B) / (T / 2 + t) (Gil, Sanchez, Hulin, Preusche &
-/// Hirzinger 2009).
+/// Stable with a force delayed by t: K < (b + B) / (T / 2 + t) (Gil, Sanchez, Hulin, Preusche & Hirzinger
+/// 2009).
 double stable_stiffness(const RenderedSurface& surface, const Grip& grip, double delay) {
     return (damping_of(grip) + virtual_damping_of(surface.medium)) / (0.5 * period + delay);
 }
@@ -162,7 +162,7 @@ void run_beside_a_server(const HapticsOptions& options) {
         row("compute_p99", 1e6 * t.compute_p99, "us");
         row("real_time", t.real_time ? 1.0 : 0.0, "1");
     };
-    // Against what the machine allows, the same way at the same time.
+    // Against the machine's baseline, measured in the same way at the same time.
     spdlog::info("nothing but a timer, and the loop without a server: {:.0f} s", options.live_seconds);
     loop_rows("empty loop", run_empty_loop(0.5 * options.live_seconds, false));
     loop_rows("loop without a server", run_loop_alone(0.5 * options.live_seconds));
@@ -186,7 +186,7 @@ void run_beside_a_server(const HapticsOptions& options) {
         row("message_p99", 1e3 * o.message_p99, "ms");
         row("message_max", 1e3 * o.message_max, "ms");
         row("held_excursion", 1e3 * o.excursion, "mm");
-        row("held_stillest", 1e3 * o.stillest, "mm");
+        row("held_stillest", 1e3 * o.min_excursion, "mm");
         row("held_force", o.held_force, "N");
         row("stale_share", 1e2 * o.stale_share, "%");
         row("energy_lowest", 1e3 * o.energy_lowest, "mJ");

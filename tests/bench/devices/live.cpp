@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/process/priority.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/haptics/scene_link.hpp"
@@ -25,9 +25,9 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr double held_for = 2.0;  // [s], at the end, over which the held device is watched
+constexpr double held_for = 2.0;  // [s], at the end, over which the held device is observed
 
-// Goes in, levers on the gum until the force is felt, and stays.
+// Moves in, levers on the gum until the force is felt, and stays.
 constexpr const char* lever = R"(
 name: lever_and_hold
 laryngoscope:
@@ -72,29 +72,29 @@ LoopTiming timing_of(const devices::CycleStatistics& intervals) {
     return timing;
 }
 
-/// Remembers what the hand did, for the end.
+/// Records the hand's motion for the end.
 class Watched final : public devices::Sensor {
   public:
     explicit Watched(const devices::SensorSetup& setup) : hand_(setup) {}
-    void look(const Observation& seen) override { hand_.look(seen); }
+    void observe(const Observation& seen) override { hand_.observe(seen); }
     devices::Reading exchange(const Wrench& wrench, float elapsed) override {
         const devices::Reading reading = hand_.exchange(wrench, elapsed);
         places_[at_ % places_.size()] = {reading.motion.pose.translation, wrench.force.norm()};
         ++at_;
         return reading;
     }
-    [[nodiscard]] devices::Abilities abilities() const override { return hand_.abilities(); }
+    [[nodiscard]] devices::DeviceCapabilities capabilities() const override { return hand_.capabilities(); }
 
     struct Place {
         Vec3f position = Vec3f::Zero();
         float force = 0.0f;
     };
-    /// Peak to peak [m] over all of the watched time, the same in its stillest fifth of a second (what a
-    /// limit cycle exceeds), and the mean force [N].
+    /// Peak to peak [m] over the whole observation, the same in its stillest fifth of a second (exceeded by a
+    /// limit cycle), and the mean force [N].
     [[nodiscard]] std::tuple<double, double, double> held() const {
         constexpr std::size_t window = 200;  // cycles
         Eigen::AlignedBox3f whole, part;
-        double force = 0.0, stillest = 1.0;
+        double force = 0.0, min_excursion = 1.0;
         const std::size_t count = std::min(at_, places_.size());
         for (std::size_t i = 0; i < count; ++i) {
             const Place& place = places_[(at_ - count + i) % places_.size()];
@@ -102,11 +102,11 @@ class Watched final : public devices::Sensor {
             part.extend(place.position);
             force += static_cast<double>(place.force) / static_cast<double>(count);
             if (i % window == window - 1) {
-                stillest = std::min(stillest, static_cast<double>(part.diagonal().norm()));
+                min_excursion = std::min(min_excursion, static_cast<double>(part.diagonal().norm()));
                 part.setEmpty();
             }
         }
-        return {count > 0 ? static_cast<double>(whole.diagonal().norm()) : 0.0, stillest, force};
+        return {count > 0 ? static_cast<double>(whole.diagonal().norm()) : 0.0, min_excursion, force};
     }
 
   private:
@@ -115,8 +115,8 @@ class Watched final : public devices::Sensor {
     std::size_t at_ = 0;
 };
 
-/// From a pose's going out, by its sender's clock, to the proxy that answers it, by the device's pose that
-/// the server names.
+/// Time from sending a pose, by its sender's clock, to the proxy that answers it, matched by the device pose
+/// that the server reports.
 class RoundTrips {
   public:
     explicit RoundTrips(bus::Node& node)
@@ -136,7 +136,7 @@ class RoundTrips {
             const Vec3f at = bus::from_msg(proxy_.device()).translation;
             const auto found =
                 std::find_if(sent_.rbegin(), sent_.rend(), [&](const auto& s) { return s.first == at; });
-            // A hand at rest sends the same pose again and again, which tells nothing.
+            // A hand at rest sends the same pose repeatedly, which identifies nothing.
             if (found != sent_.rend() && at != last_) {
                 trips_.push_back(static_cast<double>(now - found->second) * 1e-9);
             }
@@ -175,13 +175,13 @@ LoopTiming run_empty_loop(double seconds, bool beside_a_server) {
         const std::string session = "bench-" + std::to_string(::getpid());
         server.emplace("term", session, bench_domain());
         bus::Node node(place(session, bench_domain(), "listener"));
-        const devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
+        const devices::SceneLink link(node, devices::SceneLink::ForceSource::tissue);
         (void)server->scene(link);
     }
     devices::CycleStatistics intervals;
     bool real_time = false;
     std::thread([&] {
-        real_time = become_real_time(priority::loop).empty();
+        real_time = set_real_time_priority(priority::loop).empty();
         std::int64_t last = devices::monotonic_ns(), next = last;
         const std::int64_t end = last + static_cast<std::int64_t>(1e9 * seconds);
         while (last < end) {
@@ -199,7 +199,7 @@ LoopTiming run_empty_loop(double seconds, bool beside_a_server) {
 
 LoopTiming run_loop_alone(double seconds) {
     bus::Node node(place("bench-" + std::to_string(::getpid()), bench_domain(), "eti-haptics"));
-    devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
+    devices::SceneLink link(node, devices::SceneLink::ForceSource::tissue);
     devices::HandSensor sensor(devices::SensorSetup{});
     devices::HapticLoop loop(node, sensor, link.newest(), {});
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
@@ -217,12 +217,12 @@ LiveOutcome run_live(const LiveCase& live) {
         relay = std::make_unique<Relay>(place(there, domain, "relay"), place(here, domain, "relay"),
                                         *live.channel);
     }
-    // As eti-haptics has its threads; and else the trips would be those of a listener that waits for its
-    // turn.
+    // Same thread priorities as eti-haptics; otherwise the round trips would include a listener's scheduling
+    // delay.
     const RealTimeThreads real_time(priority::bus);
     bus::Node node(place(here, domain, "eti-haptics"));
-    devices::SceneLink link(node, devices::SceneLink::Feel::tissue);
-    const devices::Surroundings around = server.scene(link);
+    devices::SceneLink link(node, devices::SceneLink::ForceSource::tissue);
+    const devices::InitialScene around = server.scene(link);
     devices::SensorSetup setup;
     setup.script = parse_operator(lever, "lever");
     setup.start = around.seen;
@@ -250,7 +250,7 @@ LiveOutcome run_live(const LiveCase& live) {
     out.round_trip_p99 = trips.percentile(0.99);
     out.force_mean = record.force_sum / count;
     out.force_max = static_cast<double>(record.force_max);
-    std::tie(out.excursion, out.stillest, out.held_force) = sensor.held();
+    std::tie(out.excursion, out.min_excursion, out.held_force) = sensor.held();
     out.message_p99 = record.messages.percentile(0.99);
     out.message_max = record.messages.longest();
     out.stale_share = static_cast<double>(record.stale_cycles) / count;

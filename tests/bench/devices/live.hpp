@@ -13,7 +13,7 @@ using validation::Channel;
 
 struct LiveCase {
     std::string name;
-    std::optional<Channel> channel;  ///< through a relay; none: the bus alone
+    std::optional<Channel> channel;  ///< through a relay; none: the bus only
     double seconds = 60.0;
 };
 
@@ -26,26 +26,27 @@ struct LoopTiming {
 
 struct LiveOutcome {
     LoopTiming loop;
-    double round_trip_p50 = 0.0, round_trip_p99 = 0.0;  ///< [s], pose out to the proxy that answers it
-    double force_mean = 0.0, force_max = 0.0;           ///< [N]
-    double message_p99 = 0.0, message_max = 0.0;        ///< [s], from one message to the next
-    double excursion = 0.0;                             ///< [m], peak to peak of the held device, last 2 s
-    double stillest = 0.0;                              ///< [m], the same of the stillest fifth of a second
-    double held_force = 0.0;                            ///< [N], mean over the same time
+    double round_trip_p50 = 0.0,
+           round_trip_p99 = 0.0;                  ///< [s], from the pose sent to the proxy that answers it
+    double force_mean = 0.0, force_max = 0.0;     ///< [N]
+    double message_p99 = 0.0, message_max = 0.0;  ///< [s], between consecutive messages
+    double excursion = 0.0;                       ///< [m], peak to peak of the held device, last 2 s
+    double min_excursion = 0.0;                   ///< [m], the same of the stillest fifth of a second
+    double held_force = 0.0;                      ///< [N], mean over the same time
     double stale_share = 0.0;
     double energy_lowest = 0.0, dissipated = 0.0;  ///< [J]
     double passivity_share = 0.0;
     double server_behind = 0.0;  ///< [s], at the end
 };
 
-/// What the machine allows: a loop that wakes every millisecond and does nothing else.
+/// Baseline of the machine: a loop that only wakes every millisecond.
 [[nodiscard]] LoopTiming run_empty_loop(double seconds, bool beside_a_server);
 
-/// The real haptic loop with a simulated device held still, and no server anywhere.
+/// The real haptic loop with a simulated device held still, without a server.
 [[nodiscard]] LoopTiming run_loop_alone(double seconds);
 
-/// The real haptic loop in real time with a simulated device, the real server beside it as a process of its
-/// own over DDS. A scripted hand goes in over the tongue, levers on the upper gum, and holds still.
+/// The real haptic loop in real time with a simulated device, and the real server in a process of its own
+/// over DDS. A scripted hand passes over the tongue, levers on the upper gum, and holds still.
 [[nodiscard]] LiveOutcome run_live(const LiveCase& live);
 
 }  // namespace eti::bench

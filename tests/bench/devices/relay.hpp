@@ -19,14 +19,14 @@ namespace eti::bench {
 namespace msg = bus::msg;
 using validation::Channel;
 
-/// Passes one topic on from one session to another, late and with losses.
+/// Forwards one topic from one session to another, with delay and loss.
 template <class Message>
-class Wire {
+class TopicRelay {
   public:
-    Wire(bus::Node& from, bus::Node& to, const bus::Topic<Message>& topic)
+    TopicRelay(bus::Node& from, bus::Node& to, const bus::Topic<Message>& topic)
         : in_(from, topic), out_(to, topic) {}
 
-    /// Returns how late [ns] the latest message of this turn was passed on, beyond its delay.
+    /// Returns the lateness [ns], beyond its delay, of the last message forwarded in this turn.
     std::int64_t run(const Channel& channel, Random& random) {
         const std::int64_t now = devices::monotonic_ns();
         std::int64_t late_by = 0;
@@ -52,8 +52,8 @@ class Wire {
     std::deque<std::pair<std::int64_t, Message>> waiting_;
 };
 
-/// Stands between a server's session and a device's, in the place of a network: what is best effort is
-/// delayed and lost, what is reliable arrives whole.
+/// Stands between a server's session and a device's in place of a network: best-effort samples are delayed
+/// and lost, reliable ones arrive complete.
 class Relay {
   public:
     Relay(const bus::Options& server, const bus::Options& device, const Channel& channel)
@@ -65,13 +65,13 @@ class Relay {
     Relay(const Relay&) = delete;
     Relay& operator=(const Relay&) = delete;
 
-    /// From now on; messages on their way keep their delay. Forgets the lateness so far.
+    /// Applies from now on; messages in transit keep their delay. Resets the lateness.
     void set(const Channel& channel) {
         const std::lock_guard lock(mutex_);
         channel_ = channel;
         lateness_ = 0;
     }
-    /// [s], most that a message was passed on later than its delay says: a busy machine's own jitter.
+    /// [s], maximum lateness of a message beyond its delay: the jitter of a busy machine.
     [[nodiscard]] double lateness() const {
         const std::lock_guard lock(mutex_);
         return 1e-9 * static_cast<double>(lateness_);
@@ -79,13 +79,13 @@ class Relay {
 
   private:
     void run() {
-        (void)become_real_time(priority::step);
+        (void)set_real_time_priority(priority::step);
         Random random(1);
-        Wire<msg::ToolPose> pose(device_, server_, bus::topics::laryngoscope_pose);
-        Wire<msg::ProxyState> proxy(server_, device_, bus::topics::proxy);
-        Wire<msg::TissueContacts> tissue(server_, device_, bus::topics::tissue_contacts);
-        Wire<msg::LiveMetrics> live(server_, device_, bus::topics::live_metrics);
-        Wire<msg::SessionDescription> description(server_, device_, bus::topics::session_description);
+        TopicRelay<msg::ToolPose> pose(device_, server_, bus::topics::laryngoscope_pose);
+        TopicRelay<msg::ProxyState> proxy(server_, device_, bus::topics::proxy);
+        TopicRelay<msg::TissueContacts> tissue(server_, device_, bus::topics::tissue_contacts);
+        TopicRelay<msg::LiveMetrics> live(server_, device_, bus::topics::live_metrics);
+        TopicRelay<msg::SessionDescription> description(server_, device_, bus::topics::session_description);
         const Channel whole;
         while (!ending_) {
             std::this_thread::sleep_for(std::chrono::microseconds(250));

@@ -18,7 +18,7 @@
 
 namespace eti::bench {
 
-/// eti-server as a child, in a session of its own; ended when this goes.
+/// eti-server as a child process in a session of its own; terminated by the destructor.
 class ServerProcess {
   public:
     ServerProcess(const std::string& scenario, const std::string& session, int domain) {
@@ -54,12 +54,12 @@ class ServerProcess {
         }
     }
 
-    /// Waits until it shows the scene to `link`. Throws std::runtime_error when it does not.
-    [[nodiscard]] devices::Surroundings scene(const devices::SceneLink& link) const {
-        constexpr std::chrono::seconds patience{120};  // until it has built its model
+    /// Waits until the server publishes its scene to `link`. Throws std::runtime_error when it does not.
+    [[nodiscard]] devices::InitialScene scene(const devices::SceneLink& link) const {
+        constexpr std::chrono::seconds patience{120};  // until the server has built its model
         const auto end = std::chrono::steady_clock::now() + patience;
-        std::optional<devices::Surroundings> around;
-        while (!(around = link.surroundings())) {
+        std::optional<devices::InitialScene> around;
+        while (!(around = link.initial_scene())) {
             check();
             if (std::chrono::steady_clock::now() > end) {
                 throw std::runtime_error("eti-server showed no scene within 120 s");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// eti-bench launches the bench program of the part that a command is about, with the same arguments.
+// eti-bench launches the bench program that implements a command, with the same arguments.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
             return 1;
         }
     }
-    // No command of ours is among the words: the first one decides what to say.
+    // None of the words is a known command: the first one determines the message.
     const std::string_view first = argc > 1 ? argv[1] : "";
     if (first == "--help" || first == "-h") {
         usage(stdout);
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
         return 0;
     }
     if (!first.empty()) {
-        fmt::print(stderr, "eti-bench: '{}' is no command\n", eti::escaped(first, eti::longest_shown));
+        fmt::print(stderr, "eti-bench: '{}' is no command\n", eti::escaped(first, eti::max_shown_bytes));
     }
     usage(stderr);
     return 2;

@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "server/app/local_operator.hpp"
-#include "server/app/simulation.hpp"
+#include "server/app/run/local_operator.hpp"
+#include "server/app/run/simulation.hpp"
 
 namespace eti::bench {
 
@@ -17,30 +17,30 @@ enum : std::size_t { rest, mouth, touched, best, tube, end };
 
 }  // namespace
 
-Attempt perform_and_keep(const Scenario& scenario, const OperatorScript& script) {
+Attempt record_attempt(const Scenario& scenario, const OperatorScript& script) {
     Attempt attempt;
     attempt.scenario = scenario;
     attempt.script = script;
     attempt.patient = app::patient_of(scenario);
-    scene::Inputs inputs = app::parked(scenario, attempt.patient);
+    scene::Inputs inputs = app::parked_inputs(scenario, attempt.patient);
     app::Simulation simulation(scenario, attempt.patient, inputs);
     attempt.scope = simulation.scope();
-    attempt.start = inputs.live;
+    attempt.start = inputs.runtime_parameters;
     app::LocalOperator hands(script, simulation.scope(), scenario.tube, scenario.seed ^ script.seed,
                              simulation.observation());
-    hands.hold(inputs);
+    hands.apply_to(inputs);
     simulation.scene().reset(inputs);
 
     float nearest = -std::numeric_limits<float>::infinity();
     const auto keep = [&](std::size_t which) {
         attempt.moments[which] =
-            Moment{simulation.snapshot(), simulation.metrics().live().glottic_opening_percent};
+            KeyMoment{simulation.snapshot(), simulation.metrics().live().glottic_opening_percent};
     };
     while (!hands.finished() && simulation.time() < longest) {
         hands.advance(simulation.observation(), simulation.snapshot());
-        hands.hold(inputs);
+        hands.apply_to(inputs);
         simulation.step(inputs, std::nullopt);
-        const metrics::Live& live = simulation.metrics().live();
+        const metrics::LiveMetrics& live = simulation.metrics().live();
         const scene::Snapshot& now = simulation.snapshot();
         if (!attempt.moments[rest]) {
             keep(rest);

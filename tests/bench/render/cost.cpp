@@ -9,16 +9,16 @@
 #include <chrono>
 #include <utility>
 
-#include "client/render/gl_object.hpp"
-#include "client/render/render_target.hpp"
+#include "client/render/gl/gl_object.hpp"
+#include "client/render/gl/render_target.hpp"
 #include "client/render/scene_renderer.hpp"
-#include "client/render/view_table.hpp"
+#include "client/render/views/view_table.hpp"
 
 namespace eti::bench {
 
 namespace {
 
-std::uint64_t sent = 0;  // bytes, while an Upload lives
+std::uint64_t sent = 0;  // bytes, while an Upload exists
 decltype(epoxy_glBufferData) buffer_data;
 decltype(epoxy_glBufferSubData) buffer_sub_data;
 
@@ -32,8 +32,8 @@ void counted_buffer_sub_data(GLenum target, GLintptr offset, GLsizeiptr size, co
     buffer_sub_data(target, offset, size, data);
 }
 
-/// Counts what goes into buffers of the graphics card while it lives. libepoxy calls OpenGL through pointers,
-/// which it sets at the first call: there has to have been one.
+/// Counts bytes written to buffers of the graphics card during its lifetime. libepoxy calls OpenGL through
+/// pointers that it resolves on the first call, so one call must precede.
 class Upload {
   public:
     Upload() {
@@ -55,7 +55,7 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-// Of all threads of this process so far.
+// [ms] of processor time of all threads of this process.
 double processor_ms() {
     timespec now{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -82,7 +82,7 @@ std::vector<Cost> costs(const view::SceneView& a, const view::SceneView& b, int 
             renderer.sync(*scene);
             draw(*scene);
         }
-        // Both functions are known to libepoxy from here on.
+        // From here on libepoxy has resolved both functions.
         const float nothing = 0.0f;
         const render::Buffer buffer;
         glBindBuffer(GL_ARRAY_BUFFER, buffer.name());

@@ -11,19 +11,19 @@
 
 namespace eti::bench {
 
-/// What a picture of one view costs.
+/// Cost of a picture of one view.
 struct Cost {
     std::string view;
     int width = 0, height = 0;
-    double sync_ms = 0.0;  ///< bringing the graphics card up to date; median
+    double sync_ms = 0.0;  ///< upload to the graphics card; median
     double draw_ms = 0.0;  ///< drawing, until the driver is done; median
-    double cpu_ms = 0.0;   ///< processor time of all threads for both, a software driver's among them; median
+    double cpu_ms = 0.0;   ///< processor time of all threads for both, including a software driver's; median
     double slowest_ms = 0.0;  ///< both together, of the slowest picture
-    double kilobytes = 0.0;   ///< sent to the graphics card for a picture; mean
+    double kilobytes = 0.0;   ///< uploaded to the graphics card per picture; mean
 };
 
-/// Draws each view `pictures` times at a size, of two states by turns, so that all has moved that ever moves.
-/// The context must be current.
+/// Draws each view `pictures` times at a size, alternating between two states, so that everything that can
+/// move has moved. The context must be current.
 [[nodiscard]] std::vector<Cost> costs(const view::SceneView& a, const view::SceneView& b, int width,
                                       int height, int pictures, const render::Quality& quality);
 

@@ -5,15 +5,15 @@
 #include <map>
 #include <unordered_map>
 
-#include "client/render/patient_outlines.hpp"
-#include "client/view/pressed.hpp"
+#include "client/render/mesh/patient_outlines.hpp"
+#include "client/view/displaced_vertices.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::bench {
 
 namespace {
 
-constexpr float shortest_edge = 0.2e-3f;  // [m], of those whose stretch counts
+constexpr float shortest_edge = 0.2e-3f;  // [m], edges from this rest length on count for stretch
 constexpr double fewest_pixels = 20.0;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -21,7 +21,7 @@ Eigen::Matrix4f projected(const render::Camera& camera, int width, int height) {
     return camera.projection(static_cast<float>(width) / static_cast<float>(height)) * camera.view();
 }
 
-/// Distance before the eye [m] of a depth as OpenGL has it.
+/// Distance in front of the eye [m] for an OpenGL depth.
 float distance_of(float depth, const render::Camera& camera) {
     const float n = camera.near_plane, f = camera.far_plane;
     return 2.0f * f * n / (f + n - (2.0f * depth - 1.0f) * (f - n));
@@ -31,7 +31,7 @@ std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
     return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
 }
 
-bool faces(const Shape& shape, const Triangle& t, const Vec3f& eye) {
+bool faces(const SurfaceMesh& shape, const Triangle& t, const Vec3f& eye) {
     const Vec3f& a = shape.vertices[t[0]];
     return (shape.vertices[t[1]] - a).cross(shape.vertices[t[2]] - a).dot(eye - a) > 0.0f;
 }
@@ -54,8 +54,8 @@ struct Mean {
     [[nodiscard]] double value() const { return count >= fewest_pixels ? sum / count : nan; }
 };
 
-/// Calls `pixel(x, y, depth, area)` over the fan of triangles that fills a closed polygon; `area` [m2] is
-/// what the pixel stands for.
+/// Calls `pixel(x, y, depth, area)` over the triangle fan that fills a closed polygon; `area` [m2] is the
+/// area that the pixel represents.
 template <typename Pixel>
 void fill(const Eigen::Matrix4f& view_projection, int width, int height, std::span<const Vec3f> contour,
           Pixel&& pixel) {
@@ -66,19 +66,19 @@ void fill(const Eigen::Matrix4f& view_projection, int width, int height, std::sp
     for (std::size_t i = 0; i < contour.size(); ++i) {
         const std::array<Vec3f, 3> fan{centre, contour[i], contour[(i + 1) % contour.size()]};
         double count = 0.0;
-        cover(view_projection, width, height, fan, [&](int, int, float) { count += 1.0; });
+        rasterise(view_projection, width, height, fan, [&](int, int, float) { count += 1.0; });
         const double area = 0.5 * (fan[1] - fan[0]).cross(fan[2] - fan[0]).norm();
-        cover(view_projection, width, height, fan,
-              [&](int x, int y, float depth) { pixel(x, y, depth, area / count); });
+        rasterise(view_projection, width, height, fan,
+                  [&](int x, int y, float depth) { pixel(x, y, depth, area / count); });
     }
 }
 
 }  // namespace
 
-Shapes shapes_of(const view::SceneView& scene) {
-    Shapes shapes;
+MeshSet meshes_of(const view::SceneView& scene) {
+    MeshSet shapes;
     for (const auto& [name, surface] : scene.surfaces()) {
-        Shape& shape = shapes.organs.emplace_back();
+        SurfaceMesh& shape = shapes.organs.emplace_back();
         shape.name = name;
         shape.tissue = surface.model().tissue;
         shape.bone = is_bone(shape.tissue);
@@ -86,7 +86,7 @@ Shapes shapes_of(const view::SceneView& scene) {
         shape.triangle_tissue.assign(surface.model().triangle_tissue.begin(),
                                      surface.model().triangle_tissue.end());
         shape.rest = surface.model().mesh.vertices;
-        for (const view::LitVertex& vertex : view::pressed(scene, surface)) {
+        for (const view::LitVertex& vertex : view::displaced_vertices(scene, surface)) {
             shape.vertices.push_back(vertex.position);
         }
     }
@@ -105,26 +105,26 @@ Shapes shapes_of(const view::SceneView& scene) {
     return shapes;
 }
 
-Shapes held_aside(Shapes shapes, const LipRetraction& lips) {
-    for (Shape& shape : shapes.organs) {
+MeshSet with_lips_retracted(MeshSet shapes, const LipRetraction& lips) {
+    for (SurfaceMesh& shape : shapes.organs) {
         for (Vec3f& vertex : shape.vertices) {
-            vertex = lips.held_aside(vertex);
+            vertex = lips.retract_lips(vertex);
         }
     }
     return shapes;
 }
 
-Shapes with_fine_outlines(Shapes shapes, const render::PatientMesh& patient, const view::SceneView& scene,
-                          const render::PatientMesh::Look& look) {
+MeshSet with_fine_outlines(MeshSet shapes, const render::PatientMesh& patient, const view::SceneView& scene,
+                           const render::PatientMesh::CullView& look) {
     render::PatientOutlines outlines;
     outlines.choose(patient, scene, look);
     const std::vector<view::LitVertex> drawn = patient.vertices();
     for (std::size_t i = 0; i < patient.parts().size(); ++i) {
         const render::PatientMesh::Part& part = patient.parts()[i];
-        Shape& shape = *std::ranges::find(shapes.organs, part.name, &Shape::name);
-        // Of the shape's own order of triangles, by their corners.
-        std::map<std::array<std::uint32_t, 3>, const render::FinerFace*> finer;
-        for (const render::FinerFace& face : outlines.of(i)->faces()) {
+        SurfaceMesh& shape = *std::ranges::find(shapes.organs, part.name, &SurfaceMesh::name);
+        // Triangles in the shape's own order, by their corners.
+        std::map<std::array<std::uint32_t, 3>, const render::TessellatedFace*> finer;
+        for (const render::TessellatedFace& face : outlines.of(i)->faces()) {
             finer[face.corners] = &face;
         }
         std::map<std::array<std::uint32_t, 4>, std::uint32_t> on_edges;  // corners, step and steps
@@ -139,21 +139,21 @@ Shapes with_fine_outlines(Shapes shapes, const render::PatientMesh& patient, con
                 tissues.push_back(shape.triangle_tissue[t]);
                 continue;
             }
-            const render::FinerFace& face = *found->second;
+            const render::TessellatedFace& face = *found->second;
             std::array<view::LitVertex, 3> corners;
             for (std::size_t k = 0; k < 3; ++k) {
                 corners[k] = drawn[part.first_vertex + face.corners[k]];
             }
             const auto add = [&](const Vec3f& shares) {
-                const Vec3f bent = render::bent(corners, shares).position;
+                const Vec3f bent = render::curved_vertex(corners, shares).position;
                 const Vec3f flat = shares.x() * corners[0].position + shares.y() * corners[1].position +
                                    shares.z() * corners[2].position;
-                shape.vertices.push_back(look.lips != nullptr ? look.lips->held_aside(bent) : bent);
+                shape.vertices.push_back(look.lips != nullptr ? look.lips->retract_lips(bent) : bent);
                 shape.added.push_back({face.corners, shares, (bent - flat).norm()});
                 return static_cast<std::uint32_t>(shape.vertices.size() - 1);
             };
             const auto place = [&](int i_step, int j_step) {
-                const Vec3f shares = render::shares_of(face, i_step, j_step);
+                const Vec3f shares = render::barycentric_at(face, i_step, j_step);
                 for (std::size_t k = 0; k < 3; ++k) {
                     if (shares[static_cast<int>(k)] == 1.0f) {
                         return face.corners[k];
@@ -196,15 +196,15 @@ Shapes with_fine_outlines(Shapes shapes, const render::PatientMesh& patient, con
     return shapes;
 }
 
-Raster raster_of(const Shapes& shapes, const render::Camera& camera, int width, int height) {
+Raster raster_of(const MeshSet& shapes, const render::Camera& camera, int width, int height) {
     Raster raster(width, height, projected(camera, width, height), camera.eye);
     for (std::size_t i = 0; i < shapes.organs.size(); ++i) {
         if (!shapes.organs[i].bone) {
             raster.draw(shapes.organs[i].triangles, shapes.organs[i].vertices, static_cast<std::int16_t>(i));
         }
     }
-    raster.draw(shapes.blade_triangles, shapes.blade, Shapes::blade_id);
-    raster.draw(shapes.tube_triangles, shapes.tube, Shapes::tube_id);
+    raster.draw(shapes.blade_triangles, shapes.blade, MeshSet::blade_id);
+    raster.draw(shapes.tube_triangles, shapes.tube, MeshSet::tube_id);
     return raster;
 }
 
@@ -221,28 +221,28 @@ double back_faces_percent(const render::Image& ids) {
     return 100.0 * back / (ids.width * ids.height);
 }
 
-double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camera, int width, int height) {
+double blade_in_tissue_percent(const MeshSet& shapes, const render::Camera& camera, int width, int height) {
     const Eigen::Matrix4f view_projection = projected(camera, width, height);
     Raster blade(width, height, view_projection, camera.eye);
-    blade.draw(shapes.blade_triangles, shapes.blade, Shapes::blade_id);
+    blade.draw(shapes.blade_triangles, shapes.blade, MeshSet::blade_id);
     std::vector<std::uint8_t> within(blade.hits().size(), 0), hidden(blade.hits().size(), 0);
     std::vector<std::int8_t> entered(blade.hits().size());
-    for (const Shape& shape : shapes.organs) {
+    for (const SurfaceMesh& shape : shapes.organs) {
         if (shape.bone) {
             continue;
         }
         std::ranges::fill(entered, std::int8_t{0});
         for (const Triangle& t : shape.triangles) {
             const std::int8_t into = faces(shape, t, camera.eye) ? 1 : -1;
-            cover(view_projection, width, height,
-                  {shape.vertices[t[0]], shape.vertices[t[1]], shape.vertices[t[2]]},
-                  [&](int x, int y, float depth) {
-                      if (depth < blade.at(x, y).depth && blade.at(x, y).object >= 0) {
-                          const auto i = static_cast<std::size_t>(y * width + x);
-                          entered[i] += into;
-                          hidden[i] |= into < 0 ? 1 : 0;
-                      }
-                  });
+            rasterise(view_projection, width, height,
+                      {shape.vertices[t[0]], shape.vertices[t[1]], shape.vertices[t[2]]},
+                      [&](int x, int y, float depth) {
+                          if (depth < blade.at(x, y).depth && blade.at(x, y).object >= 0) {
+                              const auto i = static_cast<std::size_t>(y * width + x);
+                              entered[i] += into;
+                              hidden[i] |= into < 0 ? 1 : 0;
+                          }
+                      });
         }
         for (std::size_t i = 0; i < entered.size(); ++i) {
             if (entered[i] > 0) {
@@ -257,9 +257,9 @@ double blade_in_tissue_percent(const Shapes& shapes, const render::Camera& camer
     return 100.0 * static_cast<double>(count) / static_cast<double>(within.size());
 }
 
-Stretch edge_stretch(const Shapes& shapes) {
+Stretch edge_stretch(const MeshSet& shapes) {
     Stretch most;
-    for (const Shape& shape : shapes.organs) {
+    for (const SurfaceMesh& shape : shapes.organs) {
         if (shape.bone) {
             continue;
         }
@@ -280,14 +280,14 @@ Stretch edge_stretch(const Shapes& shapes) {
     return most;
 }
 
-std::vector<Outline> outlines(const Shapes& shapes, const Raster& raster, double pixels) {
+std::vector<Outline> outlines(const MeshSet& shapes, const Raster& raster, double pixels) {
     std::vector<Outline> all;
     for (std::size_t o = 0; o < shapes.organs.size(); ++o) {
-        const Shape& shape = shapes.organs[o];
+        const SurfaceMesh& shape = shapes.organs[o];
         if (shape.bone) {
             continue;
         }
-        std::unordered_map<std::uint64_t, int> towards;  // triangles at an edge that face the eye
+        std::unordered_map<std::uint64_t, int> towards;  // number of front-facing triangles at an edge
         for (const Triangle& t : shape.triangles) {
             const int toward = faces(shape, t, raster.eye()) ? 1 : 0;
             for (std::size_t i = 0; i < 3; ++i) {
@@ -314,7 +314,8 @@ std::vector<Outline> outlines(const Shapes& shapes, const Raster& raster, double
             }
             const int x = static_cast<int>(0.5f * (1.0f + middle.x()) * static_cast<float>(raster.width()));
             const int y = static_cast<int>(0.5f * (1.0f - middle.y()) * static_cast<float>(raster.height()));
-            // Nothing lies clearly before it: an outline's own pixel may show what is just beside it.
+            // Nothing lies clearly in front of it: an outline's own pixel may show its immediate
+            // surroundings.
             bool hidden = raster.at(x, y).object != static_cast<std::int16_t>(o) &&
                           raster.at(x, y).depth < 0.5f * (1.0f + middle.z()) - 1e-4f;
             if (hidden) {
@@ -333,10 +334,10 @@ std::vector<Outline> outlines(const Shapes& shapes, const Raster& raster, double
     return all;
 }
 
-std::vector<Contours> section_contours(const Shapes& shapes, const Vec3f& origin, const Vec3f& normal) {
+std::vector<Contours> section_contours(const MeshSet& shapes, const Vec3f& origin, const Vec3f& normal) {
     std::vector<Contours> all;
-    for (const Shape& shape : shapes.organs) {
-        // A contour passes from edge to edge of the mesh, two of a triangle that the plane cuts.
+    for (const SurfaceMesh& shape : shapes.organs) {
+        // A contour passes from edge to edge of the mesh, two per triangle cut by the plane.
         std::map<std::uint64_t, std::vector<std::uint64_t>> next;
         const auto above = [&](std::uint32_t v) { return normal.dot(shape.vertices[v] - origin) > 0.0f; };
         for (const Triangle& t : shape.triangles) {
@@ -393,7 +394,7 @@ double opening_in_picture(const Raster& raster, const render::Camera& camera, st
     return whole > 0.0 ? 100.0 * seen / whole : nan;
 }
 
-Luminances luminances(const render::Image& picture, const Raster& raster, const Shapes& shapes,
+Luminances luminances(const render::Image& picture, const Raster& raster, const MeshSet& shapes,
                       const render::Camera& camera, std::span<const Vec3f> contour, float within) {
     constexpr float below = 0.5e-3f;  // [m]
     Mean cords, lumen, tongue;
@@ -414,8 +415,8 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
             const double light = luminance(picture.pixel(x, y));
             if (in_opening[static_cast<std::size_t>(y * raster.width() + x)] != 0) {
                 lumen.add(light);
-            } else if (hit.object >= 0 && hit.object < Shapes::blade_id) {
-                const Shape& shape = shapes.organs[static_cast<std::size_t>(hit.object)];
+            } else if (hit.object >= 0 && hit.object < MeshSet::blade_id) {
+                const SurfaceMesh& shape = shapes.organs[static_cast<std::size_t>(hit.object)];
                 const std::string_view tissue = name_of(shape.triangle_tissue[hit.triangle]);
                 if (tissue == "vocal cord") {
                     cords.add(light);
@@ -428,7 +429,7 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
     return {cords.value(), lumen.value(), tongue.value()};
 }
 
-double pixels_apart_percent(const render::Image& a, const render::Image& b, int levels) {
+double differing_pixels_percent(const render::Image& a, const render::Image& b, int levels) {
     if (a.width != b.width || a.height != b.height) {
         return 100.0;
     }

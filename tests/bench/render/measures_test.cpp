@@ -8,11 +8,11 @@
 
 #include "common/math/units.hpp"
 
-// References: what spheres and boxes look like from a place, by elementary geometry.
+// References: views of spheres and boxes by elementary geometry.
 namespace eti::bench {
 namespace {
 
-/// Of `around` corners about its axis and half as many rings, closed and oriented outwards.
+/// With `around` corners about its axis and half as many rings, closed and oriented outwards.
 TriangleMesh sphere(const Vec3f& centre, float radius, std::uint32_t around) {
     TriangleMesh mesh;
     const std::uint32_t rings = around / 2;
@@ -40,13 +40,13 @@ TriangleMesh sphere(const Vec3f& centre, float radius, std::uint32_t around) {
     return mesh;
 }
 
-/// Meshes with their tissues, from the outside.
+/// Meshes with their tissues, seen from outside.
 struct Stage {
     std::vector<TriangleMesh> meshes;
     std::vector<std::vector<Tissue>> tissues;
 
-    Shapes shapes(std::size_t blade = 1000) {
-        Shapes all;
+    MeshSet shapes(std::size_t blade = 1000) {
+        MeshSet all;
         for (std::size_t i = 0; i < meshes.size(); ++i) {
             tissues.emplace_back(meshes[i].triangles.size(), Tissue::soft);
         }
@@ -56,7 +56,7 @@ struct Stage {
                 all.blade = meshes[i].vertices;
                 continue;
             }
-            Shape& shape = all.organs.emplace_back();
+            SurfaceMesh& shape = all.organs.emplace_back();
             shape.name = "organ " + std::to_string(i);
             shape.triangles = meshes[i].triangles;
             shape.triangle_tissue = tissues[i];
@@ -72,24 +72,24 @@ render::Camera from_front(float distance) {
     camera.eye = Vec3f(0.0f, 0.0f, distance);
     camera.target = Vec3f::Zero();
     camera.up = Vec3f::UnitY();
-    camera.vertical_field = 40.0f * degree;
+    camera.vertical_fov = 40.0f * degree;
     camera.near_plane = 0.01f;
     camera.far_plane = 2.0f;
     return camera;
 }
 
-TEST(Raster, ASphereCoversTheDiscThatPerspectiveGivesIt) {
+TEST(Raster, SphereCoversItsProjectedDisc) {
     Stage stage{{sphere(Vec3f::Zero(), 0.05f, 48)}, {}};
     const Raster raster = raster_of(stage.shapes(), from_front(0.3f), 400, 400);
     const auto covered = std::ranges::count_if(raster.hits(), [](const Hit& hit) { return hit.object == 0; });
-    // The cone that touches it: sin = r / d; its circle in the picture by the focal length.
+    // The tangent cone: sin = r / d; its circle in the picture follows from the focal length.
     const double angle = std::asin(0.05 / 0.3), focal = 200.0 / std::tan(20.0 * degree);
     const double disc = std::numbers::pi * std::pow(focal * std::tan(angle), 2);
     EXPECT_NEAR(static_cast<double>(covered) / disc, 1.0, 0.01);
     EXPECT_TRUE(std::ranges::none_of(raster.hits(), &Hit::back));
 }
 
-TEST(Raster, ASphereTurnedInsideOutIsSeenFromBehind) {
+TEST(Raster, InvertedSphereShowsBackFaces) {
     Stage stage{{sphere(Vec3f::Zero(), 0.05f, 24)}, {}};
     for (Triangle& t : stage.meshes[0].triangles) {
         std::swap(t[1], t[2]);
@@ -99,20 +99,20 @@ TEST(Raster, ASphereTurnedInsideOutIsSeenFromBehind) {
         std::ranges::all_of(raster.hits(), [](const Hit& hit) { return hit.object < 0 || hit.back; }));
 }
 
-TEST(Measures, PixelsInTheColoursOfBackFacesAreCounted) {
+TEST(Measures, CountsBackFacePixels) {
     const auto back = render::back_colour(Tissue::tongue), front = render::object_colour(Tissue::tongue);
     render::Image ids{
         .width = 2, .height = 1, .rgba = {back[0], back[1], back[2], 255, front[0], front[1], front[2], 255}};
     EXPECT_EQ(back_faces_percent(ids), 50.0);
 }
 
-TEST(Raster, WhatLiesBehindTheEyeIsCutOff) {
+TEST(Raster, ClipsGeometryBehindEye) {
     Stage stage{{sphere(Vec3f(0.0f, 0.0f, 0.6f), 0.05f, 24)}, {}};
     const Raster raster = raster_of(stage.shapes(), from_front(0.3f), 100, 100);
     EXPECT_TRUE(std::ranges::all_of(raster.hits(), [](const Hit& hit) { return hit.object == -1; }));
 }
 
-TEST(Measures, ABladeWithinTissueIsFoundAndOneBehindItIsNot) {
+TEST(Measures, DetectsBladeInsideButNotBehindTissue) {
     const auto organ = sphere(Vec3f::Zero(), 0.05f, 24);
     Stage within{{organ, sphere(Vec3f::Zero(), 0.02f, 24)}, {}};
     Stage behind{{organ, sphere(Vec3f(0.0f, 0.0f, -0.1f), 0.02f, 24)}, {}};
@@ -120,16 +120,16 @@ TEST(Measures, ABladeWithinTissueIsFoundAndOneBehindItIsNot) {
     EXPECT_GT(blade_in_tissue_percent(within.shapes(1), from_front(0.3f), 100, 100), 1.0);
     EXPECT_EQ(blade_in_tissue_percent(behind.shapes(1), from_front(0.3f), 100, 100), 0.0);
     EXPECT_EQ(blade_in_tissue_percent(before.shapes(1), from_front(0.3f), 100, 100), 0.0);
-    // A cheek before it hides it, whatever it lies in.
+    // A cheek in front hides it, whatever it is embedded in.
     Stage hidden{{sphere(Vec3f(0.0f, 0.0f, 0.12f), 0.05f, 24), organ, sphere(Vec3f::Zero(), 0.02f, 24)}, {}};
     EXPECT_EQ(blade_in_tissue_percent(hidden.shapes(2), from_front(0.3f), 100, 100), 0.0);
 }
 
 // Two tongues, a black one in the middle and a white one beside it.
-TEST(Measures, LightIsMeasuredWithinALensDisc) {
+TEST(Measures, MeasuresLightWithinLensDisc) {
     Stage stage{{sphere(Vec3f::Zero(), 0.02f, 24), sphere(Vec3f(0.08f, 0.0f, 0.0f), 0.02f, 24)}, {}};
-    Shapes shapes = stage.shapes();
-    for (Shape& shape : shapes.organs) {
+    MeshSet shapes = stage.shapes();
+    for (SurfaceMesh& shape : shapes.organs) {
         std::ranges::fill(shape.triangle_tissue, Tissue::tongue);
     }
     const render::Camera camera = from_front(0.3f);
@@ -142,22 +142,22 @@ TEST(Measures, LightIsMeasuredWithinALensDisc) {
     EXPECT_EQ(luminances(picture, raster, shapes, camera, {}, 0.3f).tongue, 0.0);
 }
 
-TEST(Measures, StretchIsWhatAMeshIsPulledBy) {
+TEST(Measures, EdgeStretchMatchesScaling) {
     const TriangleMesh corner{
         {{0.0f, 0.0f, 0.0f}, {1e-3f, 0.0f, 0.0f}, {0.0f, 1e-3f, 0.0f}, {0.0f, 0.0f, 1e-3f}},
         {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
     Stage stage{{corner}, {}};
-    Shapes shapes = stage.shapes();
+    MeshSet shapes = stage.shapes();
     for (Vec3f& p : shapes.organs[0].vertices) {
         p.x() *= 2.5f;
     }
     EXPECT_NEAR(edge_stretch(shapes).ratio, 2.5, 1e-5);
 }
 
-TEST(Measures, AFinerSphereHasAFinerOutline) {
+TEST(Measures, FinerSphereHasFinerOutline) {
     Stage coarse{{sphere(Vec3f::Zero(), 0.05f, 12)}, {}}, fine{{sphere(Vec3f::Zero(), 0.05f, 96)}, {}};
-    const Shapes a = coarse.shapes(), b = fine.shapes();
-    const auto of = [](const Shapes& s) {
+    const MeshSet a = coarse.shapes(), b = fine.shapes();
+    const auto of = [](const MeshSet& s) {
         return outlines(s, raster_of(s, from_front(0.3f), 400, 400), 10.0).at(0);
     };
     // Sides of a polygon about a circle of 92 pixels: 48 pixels long, and 6.
@@ -166,13 +166,13 @@ TEST(Measures, AFinerSphereHasAFinerOutline) {
 }
 
 // About a circle of 2 pixels, which is 12 pixels long.
-TEST(Measures, AnOutlineOfAFewPixelsHasNoShares) {
+TEST(Measures, SkipsOutlinesOfFewPixels) {
     Stage stage{{sphere(Vec3f::Zero(), 0.001f, 12)}, {}};
-    const Shapes shapes = stage.shapes();
+    const MeshSet shapes = stage.shapes();
     EXPECT_TRUE(outlines(shapes, raster_of(shapes, from_front(0.3f), 400, 400), 10.0).empty());
 }
 
-TEST(Measures, APlaneCutsASphereInOneClosedContour) {
+TEST(Measures, PlaneCutsSphereInOneClosedContour) {
     Stage stage{{sphere(Vec3f::Zero(), 0.05f, 24)}, {}};
     auto contours = section_contours(stage.shapes(), Vec3f(1e-3f, 0.0f, 0.0f), Vec3f::UnitX());
     ASSERT_EQ(contours.size(), 1u);
@@ -184,7 +184,7 @@ TEST(Measures, APlaneCutsASphereInOneClosedContour) {
     EXPECT_GE(contours[0].open, 1);
 }
 
-TEST(Measures, AnOpeningBehindHalfAScreenIsHalfSeen) {
+TEST(Measures, HalfCoveredOpeningIsHalfVisible) {
     const std::vector<Vec3f> square{
         {-0.01f, -0.01f, 0.0f}, {0.01f, -0.01f, 0.0f}, {0.01f, 0.01f, 0.0f}, {-0.01f, 0.01f, 0.0f}};
     TriangleMesh screen{
@@ -194,17 +194,17 @@ TEST(Measures, AnOpeningBehindHalfAScreenIsHalfSeen) {
     const render::Camera camera = from_front(0.3f);
     const Raster raster = raster_of(stage.shapes(), camera, 800, 800);
     EXPECT_NEAR(opening_in_picture(raster, camera, square, 0.5e-3f), 50.0, 1.0);
-    // What lies nearer than the tolerance does not hide it.
+    // Surfaces nearer than the tolerance do not hide it.
     EXPECT_NEAR(opening_in_picture(raster, camera, square, 2e-3f), 100.0, 1e-6);
 }
 
-TEST(Measures, OnePixelOfFourApartIsAQuarter) {
+TEST(Measures, ComputesPercentageOfDifferingPixels) {
     const render::Image a{.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 100)};
     render::Image b = a;
     b.rgba[4] = 130;
     b.rgba[8] = 110;
-    EXPECT_EQ(pixels_apart_percent(a, b, 20), 25.0);
-    EXPECT_EQ(pixels_apart_percent(a, {.width = 1, .height = 1, .rgba = {0, 0, 0, 0}}, 20), 100.0);
+    EXPECT_EQ(differing_pixels_percent(a, b, 20), 25.0);
+    EXPECT_EQ(differing_pixels_percent(a, {.width = 1, .height = 1, .rgba = {0, 0, 0, 0}}, 20), 100.0);
 }
 
 }  // namespace

@@ -18,10 +18,10 @@
 namespace eti::bench {
 
 /// Calls `pixel(x, y, depth)` for each pixel whose centre a triangle covers; y from the top, depth from 0 at
-/// the near plane to 1 at the far one, as OpenGL has it. What lies before the near plane is cut off.
+/// the near plane to 1 at the far one, as in OpenGL. Clips at the near plane.
 template <typename Pixel>
-void cover(const Eigen::Matrix4f& view_projection, int width, int height, const std::array<Vec3f, 3>& corners,
-           Pixel&& pixel) {
+void rasterise(const Eigen::Matrix4f& view_projection, int width, int height,
+               const std::array<Vec3f, 3>& corners, Pixel&& pixel) {
     std::array<Eigen::Vector4f, 4> kept;
     std::size_t count = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -72,15 +72,15 @@ void cover(const Eigen::Matrix4f& view_projection, int width, int height, const 
     }
 }
 
-/// What a pixel of a Raster shows.
+/// Contents of one pixel of a Raster.
 struct Hit {
     float depth = 1.0f;
     std::int16_t object = -1;  ///< as given to draw(); -1: nothing
-    bool back = false;         ///< its face looks away from the eye
+    bool back = false;         ///< its back face is seen
     std::uint32_t triangle = 0;
 };
 
-/// A picture of triangles by processor, apart from all of OpenGL: who is nearest in each pixel.
+/// A software rasteriser, independent of OpenGL: the nearest object per pixel.
 class Raster {
   public:
     Raster(int width, int height, const Eigen::Matrix4f& view_projection, const Vec3f& eye)
@@ -90,13 +90,13 @@ class Raster {
           eye_(eye),
           hits_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
-    /// Closed and oriented outwards, else `back` means nothing.
+    /// The mesh must be closed and oriented outwards, otherwise `back` is meaningless.
     void draw(std::span<const Triangle> triangles, std::span<const Vec3f> vertices, std::int16_t object) {
         for (std::uint32_t t = 0; t < triangles.size(); ++t) {
             const std::array<Vec3f, 3> c{vertices[triangles[t][0]], vertices[triangles[t][1]],
                                          vertices[triangles[t][2]]};
             const bool back = (c[1] - c[0]).cross(c[2] - c[0]).dot(eye_ - c[0]) < 0.0f;
-            cover(view_projection_, width_, height_, c, [&](int x, int y, float depth) {
+            rasterise(view_projection_, width_, height_, c, [&](int x, int y, float depth) {
                 Hit& hit = hits_[index(x, y)];
                 if (depth < hit.depth) {
                     hit = {depth, object, back, t};

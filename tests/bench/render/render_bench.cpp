@@ -11,28 +11,28 @@
 #include <optional>
 #include <stdexcept>
 
-#include "client/render/headless_context.hpp"
-#include "client/render/render_target.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/gl/render_target.hpp"
 #include "client/render/scene_renderer.hpp"
-#include "client/render/view_table.hpp"
+#include "client/render/views/view_table.hpp"
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
-#include "common/model/lip_retraction.hpp"
-#include "common/process/folder.hpp"
+#include "common/model/tools/lip_retraction.hpp"
+#include "common/process/files/folder.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/yaml_map.hpp"
 #include "server/metrics/glottic_view.hpp"
 #include "tests/bench/render/attempt.hpp"
+#include "tests/bench/render/attempt_scene.hpp"
+#include "tests/bench/render/contact_sheet.hpp"
 #include "tests/bench/render/cost.hpp"
 #include "tests/bench/render/measures.hpp"
-#include "tests/bench/render/sheet.hpp"
-#include "tests/bench/render/stage.hpp"
 
 namespace eti::bench {
 
 namespace {
 
-// Of issue and paper: what a picture has to keep. A goal is an upper bound, but for outlines.
+// From issue and paper: requirements on a picture. A goal is an upper bound, except for outlines.
 struct Goal {
     const char* measure;
     const char* unit;
@@ -58,7 +58,7 @@ const Goal& goal_of(std::string_view measure) {
     return *std::ranges::find(goals, measure, &Goal::measure);
 }
 
-/// Rows of the table, and how each measure stands.
+/// Rows of the table, and each measure against its goal.
 class Results {
   public:
     explicit Results(const std::filesystem::path& file) : path_(file), stream_(file) {
@@ -90,7 +90,7 @@ class Results {
         }
     }
 
-    /// How each measure stands, on standard output and as a table.
+    /// Each measure against its goal, on standard output and as a table.
     void conclude(const std::filesystem::path& file) const {
         std::ofstream table(file);
         table << "measure,unit,goal,worst,met,cases,meaning,where\n";
@@ -127,10 +127,10 @@ class Results {
     std::map<std::string, Standing, std::less<>> standings_;
 };
 
-/// Draws views off screen, outlines as finely as in `high`.
-class Artist {
+/// Draws views off screen, with outlines as fine as in `high`.
+class PictureMaker {
   public:
-    Artist(int width, int height) : target_(width, height, 1), quality_(render::affordable_quality()) {
+    PictureMaker(int width, int height) : target_(width, height, 1), quality_(render::affordable_quality()) {
         quality_.fine_outlines = true;
     }
 
@@ -149,10 +149,9 @@ class Artist {
     render::SceneRenderer renderer_{quality_};
 };
 
-/// Before they give way to the blade, which client_render_test holds to the same function; by surface and
-/// vertex.
+/// Before blade clearance, which client_render_test verifies with the same function; by surface and vertex.
 using Apart = std::map<std::string, std::vector<double>>;
-Apart vertices_apart_mm(const view::SceneView& scene, const Attempt& attempt, const Moment& moment) {
+Apart vertex_errors_mm(const view::SceneView& scene, const Attempt& attempt, const KeyMoment& moment) {
     Apart apart;
     for (const Surface& surface : attempt.patient.surfaces) {
         const auto drawn = scene.surfaces().at(surface.name).vertices();
@@ -165,7 +164,7 @@ Apart vertices_apart_mm(const view::SceneView& scene, const Attempt& attempt, co
     return apart;
 }
 
-double most_of(const Apart& apart) {
+double max_error(const Apart& apart) {
     double most = 0.0;
     for (const auto& [name, values] : apart) {
         most = std::max(most, std::ranges::max(values));
@@ -173,11 +172,12 @@ double most_of(const Apart& apart) {
     return most;
 }
 
-/// Of vertices that a view adds, at most: of their triangle's corners, and how far they are bent from it.
-double most_added_apart_mm(const Shapes& drawn, const Apart& apart) {
+/// Maximum over the vertices that a view adds: displacement from their triangle's corners, and offset from
+/// its plane.
+double max_added_error_mm(const MeshSet& drawn, const Apart& apart) {
     double most = 0.0;
-    for (const Shape& shape : drawn.organs) {
-        for (const Shape::Added& added : shape.added) {
+    for (const SurfaceMesh& shape : drawn.organs) {
+        for (const SurfaceMesh::Added& added : shape.added) {
             double sum = 1e3 * static_cast<double>(added.bend);
             for (std::size_t k = 0; k < 3; ++k) {
                 sum += static_cast<double>(added.shares[static_cast<int>(k)]) *
@@ -189,12 +189,12 @@ double most_added_apart_mm(const Shapes& drawn, const Apart& apart) {
     return most;
 }
 
-/// Camera on the glottis from an eye; its picture is what that eye can see of it.
+/// Camera on the glottis from an eye; its picture is that eye's view.
 render::Camera towards_glottis(const Vec3f& eye, const Landmarks& landmarks) {
     render::Camera camera;
     camera.eye = eye;
     camera.target = at(landmarks, Landmark::glottis);
-    camera.vertical_field = 5.0f * degree;
+    camera.vertical_fov = 5.0f * degree;
     camera.near_plane = 0.03f;
     camera.far_plane = 0.8f;
     return camera;
@@ -207,21 +207,21 @@ class Bench {
 
     void look_at(const Attempt& attempt) {
         const std::string scenario = attempt.scenario.name, script = attempt.script.name;
-        const view::SceneView rest = staged(attempt);
-        Sheet sheet(render::views().size(), options_.width, options_.height);
+        const view::SceneView rest = scene_of(attempt);
+        ContactSheet sheet(render::views().size(), options_.width, options_.height);
         for (std::size_t m = 0; m < attempt.moments.size(); ++m) {
-            if (stop_asked() || !attempt.moments[m]) {
+            if (stop_requested() || !attempt.moments[m]) {
                 continue;
             }
-            const Moment& moment = *attempt.moments[m];
-            const view::SceneView scene = staged(rest, moment);
-            const Shapes shapes = shapes_of(scene);
+            const KeyMoment& moment = *attempt.moments[m];
+            const view::SceneView scene = scene_of(rest, moment);
+            const MeshSet shapes = meshes_of(scene);
             const auto add = [&](std::string_view view, std::string_view measure, double value,
                                  std::string_view where = "") {
                 results_.add(scenario, script, moment_names[m], view, measure, value, where);
             };
-            const Apart apart = vertices_apart_mm(scene, attempt, moment);
-            add("all", "vertices_apart", most_of(apart));
+            const Apart apart = vertex_errors_mm(scene, attempt, moment);
+            add("all", "vertices_apart", max_error(apart));
             if (m < touch) {
                 const Stretch stretch = edge_stretch(shapes);
                 add("all", "edge_stretch", stretch.ratio, stretch.where);
@@ -242,14 +242,14 @@ class Bench {
         }
     }
 
-    /// What drawing costs, while the blade lifts the tongue.
+    /// Drawing cost while the blade lifts the tongue.
     void measure_costs(const Attempt& attempt) {
         if (!attempt.moments[touch] || !attempt.moments[best]) {
             return;
         }
-        const view::SceneView rest = staged(attempt);
-        const view::SceneView a = staged(rest, *attempt.moments[touch]),
-                              b = staged(rest, *attempt.moments[best]);
+        const view::SceneView rest = scene_of(attempt);
+        const view::SceneView a = scene_of(rest, *attempt.moments[touch]),
+                              b = scene_of(rest, *attempt.moments[best]);
         std::ofstream table(options_.out / "render-costs.csv");
         table << "driver,quality,width,height,view,sync_ms,draw_ms,cpu_ms,slowest_ms,kilobytes\n";
         const render::Quality* const named = render::quality_named(options_.quality);
@@ -276,9 +276,9 @@ class Bench {
     static constexpr std::size_t mouth = 1, touch = 2, best = 3;
 
     template <typename Add>
-    void measure_view(const Attempt& attempt, const Moment& moment, std::size_t m, const render::View& view,
-                      const view::SceneView& scene, const Shapes& shapes, const Apart& apart, Add&& add,
-                      Sheet& sheet, std::size_t v) {
+    void measure_view(const Attempt& attempt, const KeyMoment& moment, std::size_t m,
+                      const render::View& view, const view::SceneView& scene, const MeshSet& shapes,
+                      const Apart& apart, Add&& add, ContactSheet& sheet, std::size_t v) {
         const render::Camera camera = view.camera(scene, {});
         if (options_.pictures || m == best || !options_.golden.empty()) {
             const render::Image picture = artist_.draw(view, scene);
@@ -291,11 +291,11 @@ class Bench {
                     picture, options_.out / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
                                                         attempt.script.name, moment_names[m], view.name));
             }
-            // Of a picture of two eyes side by side each pixel lies elsewhere than in one camera's raster.
-            if (m == best && view.lips_aside && view.cameras(scene, {}).size() == 1) {
+            // In a stereo picture, pixels do not match one camera's raster.
+            if (m == best && view.lips_retracted && view.cameras(scene, {}).size() == 1) {
                 const Raster raster =
-                    raster_of(held_aside(shapes, lip_retraction(camera.eye, scene.landmarks())), camera,
-                              options_.width, options_.height);
+                    raster_of(with_lips_retracted(shapes, lip_retraction(camera.eye, scene.landmarks())),
+                              camera, options_.width, options_.height);
                 // Beyond this a vignette takes more than half of the light.
                 const float within = view.tone.vignette > 0.0f ? 1.1f : std::numeric_limits<float>::max();
                 const Luminances light =
@@ -309,16 +309,16 @@ class Bench {
         if (view.cut) {
             return;
         }
-        // As they are drawn: aside from the trainee's eye, wherever the camera is.
+        // As drawn: retracted relative to the trainee's eye, wherever the camera is.
         const LipRetraction lips =
             lip_retraction(render::Vantage{}.eye.position(scene.landmarks()), scene.landmarks());
         const Eigen::Matrix4f view_projection =
             camera.projection(static_cast<float>(options_.width) / static_cast<float>(options_.height)) *
             camera.view();
-        const Shapes seen = with_fine_outlines(
-            view.lips_aside ? held_aside(shapes, lips) : shapes, artist_.patient(), scene,
-            {view_projection, camera.eye, render::no_clipping, view.lips_aside ? &lips : nullptr});
-        add(view.name, "vertices_apart", most_added_apart_mm(seen, apart));
+        const MeshSet seen = with_fine_outlines(
+            view.lips_retracted ? with_lips_retracted(shapes, lips) : shapes, artist_.patient(), scene,
+            {view_projection, camera.eye, render::no_clipping, view.lips_retracted ? &lips : nullptr});
+        add(view.name, "vertices_apart", max_added_error_mm(seen, apart));
         const Raster raster = raster_of(seen, camera, options_.width, options_.height);
         add(view.name, "blade_in_tissue",
             blade_in_tissue_percent(seen, camera, options_.width, options_.height));
@@ -327,42 +327,42 @@ class Bench {
         }
     }
 
-    // An edge that lies half a pixel elsewhere is no fault: another processor's last digits move it.
+    // An edge shifted by half a pixel is no fault: another processor's rounding causes it.
     template <typename Add>
     void compare_golden(const Attempt& attempt, const render::Image& picture, std::size_t m,
                         const render::View& view, Add&& add) {
         constexpr int width = 320, height = 180, levels = 24;
         const auto file = options_.golden / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
                                                         attempt.script.name, moment_names[m], view.name);
-        const render::Image small = shrunk(picture, width, height);
+        const render::Image small = downscaled(picture, width, height);
         if (options_.renew) {
             render::write_png(small, file);
         } else if (std::filesystem::exists(file)) {
-            const double apart = pixels_apart_percent(small, render::read_png(file), levels);
+            const double apart = differing_pixels_percent(small, render::read_png(file), levels);
             add(view.name, "golden_apart", apart);
         }
     }
 
     template <typename Add>
-    void compare_eyes(const Attempt& attempt, const Moment& moment, const view::SceneView& scene,
-                      const Shapes& shapes, Add&& add) {
-        constexpr float reach = 20e-3f;       // [m], of the eyes about the best one, to each side
-        constexpr float tolerance = 0.5e-3f;  // [m], as the server's rays have it
+    void compare_eyes(const Attempt& attempt, const KeyMoment& moment, const view::SceneView& scene,
+                      const MeshSet& shapes, Add&& add) {
+        constexpr float reach = 20e-3f;       // [m], of the eyes around the best one, to each side
+        constexpr float tolerance = 0.5e-3f;  // [m], as in the server's rays
         constexpr int side = 360;             // pixels
         metrics::GlotticViewer viewer(attempt.patient, attempt.scope,
                                       {.tube_radius = attempt.scenario.tube.outer_radius()});
         Random random(20'20);
-        for (int i = 0; i < options_.eyes && !stop_asked(); ++i) {
+        for (int i = 0; i < options_.eyes && !stop_requested(); ++i) {
             Vec3f aside;
             for (int axis = 0; axis < 3; ++axis) {
                 aside[axis] = reach * (2.0f * random.uniform() - 1.0f);
             }
             const Vec3f eye = best_eye(scene.landmarks()) + (i == 0 ? Vec3f(Vec3f::Zero()) : aside);
             const render::Camera camera = towards_glottis(eye, scene.landmarks());
-            const Shapes aside_lips = held_aside(shapes, lip_retraction(eye, scene.landmarks()));
+            const MeshSet aside_lips = with_lips_retracted(shapes, lip_retraction(eye, scene.landmarks()));
             const double seen = opening_in_picture(raster_of(aside_lips, camera, side, side), camera,
                                                    moment.snapshot.glottis_contour, tolerance);
-            const double rays = viewer.look(moment.snapshot, eye).opening_percent;
+            const double rays = viewer.evaluate(moment.snapshot, eye).opening_percent;
             add("eye", "pogo_apart", std::abs(seen - rays),
                 fmt::format("picture {:.1f} rays {:.1f}", seen, rays));
         }
@@ -371,7 +371,7 @@ class Bench {
     const RenderOptions& options_;
     Results results_;
     render::HeadlessContext context_;
-    Artist artist_;
+    PictureMaker artist_;
 };
 
 }  // namespace
@@ -387,12 +387,12 @@ int render_bench(const RenderOptions& options) {
     Bench bench(options);
     for (const std::string& scenario : options.scenarios) {
         for (const std::string& script : options.operators) {
-            if (stop_asked()) {
+            if (stop_requested()) {
                 break;
             }
             spdlog::info("{} by {}", scenario, script);
-            const Attempt attempt = perform_and_keep(load_scenario(find_data_file(scenario, "scenarios")),
-                                                     load_operator(find_data_file(script, "operators")));
+            const Attempt attempt = record_attempt(load_scenario(find_data_file(scenario, "scenarios")),
+                                                   load_operator(find_data_file(script, "operators")));
             spdlog::info("{} by {}: {}", scenario, script, attempt.reason);
             if (!options.only_costs) {
                 bench.look_at(attempt);
@@ -404,7 +404,7 @@ int render_bench(const RenderOptions& options) {
         }
     }
     bench.conclude();
-    return stop_asked() ? 1 : 0;
+    return stop_requested() ? 1 : 0;
 }
 
 }  // namespace eti::bench

@@ -14,17 +14,17 @@ struct RenderOptions {
     std::vector<std::string> scenarios = {"term", "premature", "term_enhanced", "premature_enhanced"};
     std::vector<std::string> operators = {"expert", "novice", "no_lift"};
     int width = 1920, height = 1080;
-    int eyes = 200;  ///< poses from which the picture's POGO and that of the server's rays are compared
-    int costs = 11;  ///< pictures of each view and size whose cost is measured
-    bool only_costs = false;  ///< of pictures of that width and height alone, and nothing else
-    std::string quality;      ///< whose cost is measured; empty: what the driver can afford
+    int eyes = 200;  ///< poses at which the picture's POGO and that of the server's rays are compared
+    int costs = 11;  ///< pictures measured per view and size
+    bool only_costs = false;  ///< only pictures of that width and height, and nothing else
+    std::string quality;      ///< quality that is measured; empty: what the driver can afford
     bool pictures = true;
-    std::filesystem::path golden;  ///< pictures to compare with; empty: none
-    bool renew = false;            ///< write them instead
+    std::filesystem::path golden;  ///< folder of reference pictures; empty: none
+    bool renew = false;            ///< writes them instead
 };
 
-/// Measures what is seen at six moments of scripted attempts, writes render.csv, pictures and a contact sheet
-/// an attempt into `out`, and prints how each measure stands to its goal. Returns an exit status.
+/// Measures the pictures at six moments of scripted attempts, writes render.csv, pictures and one contact
+/// sheet per attempt into `out`, and prints each measure with its goal. Returns an exit status.
 int render_bench(const RenderOptions& options);
 
 }  // namespace eti::bench

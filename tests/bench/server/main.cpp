@@ -7,13 +7,13 @@
 
 #include "common/process/command_line.hpp"
 #include "common/process/log.hpp"
-#include "tests/bench/server/accuracy.hpp"
-#include "tests/bench/server/calibration.hpp"
+#include "tests/bench/server/accuracy/accuracy.hpp"
+#include "tests/bench/server/accuracy/calibration.hpp"
 #include "tests/bench/server/shard.hpp"
-#include "tests/bench/server/sleep.hpp"
-#include "tests/bench/server/speed.hpp"
-#include "tests/bench/server/stability.hpp"
-#include "tests/bench/server/sufficiency.hpp"
+#include "tests/bench/server/speed/sleep.hpp"
+#include "tests/bench/server/speed/speed.hpp"
+#include "tests/bench/server/stability/stability.hpp"
+#include "tests/bench/server/stability/sufficiency.hpp"
 
 int main(int argc, char** argv) {
     eti::set_up_log("eti-bench-physics");

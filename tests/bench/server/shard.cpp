@@ -14,8 +14,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "common/process/folder.hpp"
-#include "common/process/unfinished_file.hpp"
+#include "common/process/files/atomic_file_writer.hpp"
+#include "common/process/files/folder.hpp"
 
 namespace eti::bench {
 
@@ -24,10 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* manifest_name = "shard.json";
-// Of this build: results are the same bits only for the same one.
+// Identifies this build: only the same build gives the same bits.
 constexpr const char* build = "eti-bench " ETI_VERSION ", compiler " __VERSION__;
 
-/// A whole number at the start of `text`, which is cut off; none where there is none.
+/// Parses a whole number at the start of `text` and removes it; none if there is none.
 std::optional<std::size_t> take_number(std::string_view& text) {
     std::size_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -39,7 +39,7 @@ std::optional<std::size_t> take_number(std::string_view& text) {
 }
 
 struct Manifest {
-    nlohmann::json common;  ///< what is equal in all shards of a sweep
+    nlohmann::json common;  ///< values that must be equal in all shards of a sweep
     std::size_t index = 0, count = 0;
     std::vector<std::string> tables;
 };
@@ -60,7 +60,7 @@ Manifest read_manifest(const fs::path& folder) {
     }
 }
 
-/// One table's rows by run; and its header.
+/// One table's rows by run, and its header.
 struct Rows {
     std::string header;
     std::map<std::size_t, std::string> of_run;
@@ -135,9 +135,9 @@ void Shard::finish(const fs::path& folder, const std::string& command, const Set
         }
     }
     json["tables"] = tables;
-    // It appears whole or not at all.
+    // It appears complete or not at all.
     const fs::path manifest = folder / manifest_name;
-    if (const std::string why = write_whole(manifest, json.dump(2) + "\n"); !why.empty()) {
+    if (const std::string why = write_file_atomically(manifest, json.dump(2) + "\n"); !why.empty()) {
         throw std::runtime_error(fmt::format(
             "{}: could not be written: {}; make room and run this shard again", manifest.string(), why));
     }

@@ -11,10 +11,10 @@
 
 namespace eti::bench {
 
-/// Which of a sweep's runs this process does. Runs are independent and numbered in the order in which one
-/// process would do them all; shard I of N does those whose number leaves I when divided by N, so that long
-/// and short ones are spread evenly. Its tables lie in a folder of its own, their rows begin with the run's
-/// number, and merge() puts those of all shards together as one process would have written them.
+/// The runs of a sweep that this process executes. Runs are independent and numbered in the order of a single
+/// process; shard I of N executes those whose number modulo N is I, which spreads long and short ones evenly.
+/// Its tables lie in a folder of its own, and their rows begin with the run's number. merge() combines those
+/// of all shards into the tables that one process would have written.
 class Shard {
   public:
     /// All runs, in tables without numbers.
@@ -22,19 +22,19 @@ class Shard {
     /// From "I/N" with 0 <= I < N. Throws std::invalid_argument.
     explicit Shard(std::string_view text);
 
-    /// Numbers the next run; true when this process does it. Ask once for each, whatever becomes of the
-    /// others.
-    [[nodiscard]] bool takes_next() { return next_++ % count_ == index_; }
-    /// Number of the run that takes_next() was last asked of.
+    /// Numbers the next run; returns true when this process executes it. Call it once for each run,
+    /// independent of the result.
+    [[nodiscard]] bool claim_next() { return next_++ % count_ == index_; }
+    /// Number of the run that claim_next() was last called for.
     [[nodiscard]] std::size_t run() const { return next_ - 1; }
     [[nodiscard]] bool sharded() const { return sharded_; }
 
-    /// Where the tables go: `out` itself or, for a shard, a folder in it. An earlier attempt's end is
-    /// forgotten.
+    /// Output folder of the tables: `out` itself or, for a shard, a folder in it. Removes the completion mark
+    /// of an earlier attempt.
     [[nodiscard]] std::filesystem::path begin(const std::filesystem::path& out) const;
 
     using Settings = std::vector<std::pair<std::string, std::string>>;
-    /// The shard is whole: says so in its folder, with what has to be equal in all of them.
+    /// Marks the shard as complete in its folder, with the values that must be equal in all of them.
     void finish(const std::filesystem::path& folder, const std::string& command,
                 const Settings& settings) const;
 
@@ -44,8 +44,8 @@ class Shard {
     std::size_t next_ = 0;
 };
 
-/// Puts the tables of all shards of a sweep together in `out`. Throws std::runtime_error when one is missing,
-/// not whole, or of another sweep or build. Returns the program's exit code.
+/// Merges the tables of all shards of a sweep in `out`. Throws std::runtime_error when one is missing,
+/// incomplete, or of another sweep or build. Returns the program's exit code.
 [[nodiscard]] int merge(const std::filesystem::path& out, const std::vector<std::filesystem::path>& shards);
 
 }  // namespace eti::bench

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A server whose operator begins again and again: what of it grows, and whether a pass becomes slower or another.
+"""A server whose operator repeats its script: growth of its resources, and whether a pass becomes slower or differs.
 
-A row per pass of the operator's script goes into soak-real.csv, or with --fast into soak-fast.csv, while the run lasts.
+Each pass of the operator's script adds a row to soak-real.csv, or with --fast to soak-fast.csv, during the run.
 """
 
 import argparse
@@ -28,7 +28,7 @@ PACE = re.compile(r"simulation time \d+ s, ([\d.]+) s behind the clock")
 
 
 def passes(lines, pid, record):
-    """A row as each pass ends, from what the server says."""
+    """A row at the end of each pass, from the server's output."""
     began, behind = time.monotonic(), 0.0
     for line in lines:
         if found := PACE.search(line):
@@ -43,7 +43,7 @@ def passes(lines, pid, record):
 
 
 def measure(options, file):
-    """Runs the server for so long, at most, and writes its rows. Returns its exit status."""
+    """Runs the server for at most that long and writes its rows. Returns its exit status."""
     with tempfile.TemporaryDirectory() as folder, file.open("w", newline="") as table:
         record = Path(folder) / "soak.eti.h5"
         place = ["--fast", "--no-dds"] if options.fast else ["--session", "soak", "--domain", "94"]

@@ -7,16 +7,16 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/process/folder.hpp"
+#include "common/process/files/folder.hpp"
 #include "tests/bench/server/shard.hpp"
 
 namespace eti::bench {
 
-/// A table that a command writes row by row, so that what is done is kept when it is stopped.
+/// A table that a command writes row by row, so that finished rows survive an interruption.
 class Table {
   public:
-    /// Makes the folder and begins the file anew with `header`. Throws when it cannot be written. Rows are of
-    /// the run that `shard`, if any, is at.
+    /// Creates the folder and truncates the file to `header`. Throws when it cannot be written. Rows belong
+    /// to the current run of `shard`, if any.
     Table(const std::filesystem::path& folder, const std::string& name, const std::string& header,
           const Shard* shard = nullptr)
         : path_(folder / name), shard_(shard != nullptr && shard->sharded() ? shard : nullptr) {

@@ -4,8 +4,8 @@
 
 #include <chrono>
 
-#include "server/app/local_operator.hpp"
-#include "server/app/simulation.hpp"
+#include "server/app/run/local_operator.hpp"
+#include "server/app/run/simulation.hpp"
 
 namespace eti::bench {
 
@@ -15,21 +15,21 @@ constexpr double longest_trial = 120.0;  // [s] of simulation time
 
 }  // namespace
 
-Trial perform(const Scenario& scenario, const OperatorScript& script, std::uint64_t seed) {
+TrialResult perform(const Scenario& scenario, const OperatorScript& script, std::uint64_t seed) {
     using Clock = std::chrono::steady_clock;
     const anatomy::Patient patient = app::patient_of(scenario);
-    scene::Inputs inputs = app::parked(scenario, patient);
+    scene::Inputs inputs = app::parked_inputs(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     app::LocalOperator hands(script, simulation.scope(), scenario.tube, seed, simulation.observation());
-    hands.hold(inputs);
+    hands.apply_to(inputs);
     simulation.scene().reset(inputs);
 
-    Trial trial;
+    TrialResult trial;
     trial.particles = patient.particles.size();
     Clock::duration spent{};
     while (!hands.finished() && simulation.time() < longest_trial) {
         hands.advance(simulation.observation(), simulation.snapshot());
-        hands.hold(inputs);
+        hands.apply_to(inputs);
         const Clock::time_point before = Clock::now();
         simulation.step(inputs, std::nullopt);
         spent += Clock::now() - before;
@@ -38,7 +38,7 @@ Trial perform(const Scenario& scenario, const OperatorScript& script, std::uint6
     }
     simulation.metrics().finish();
     const metrics::AttemptSummary run = simulation.metrics().run();
-    const Parameters& p = run.parameters;
+    const AttemptMetrics& p = run.metrics;
     trial.success = run.outcome.success;
     trial.reason = run.outcome.reason;
     trial.glottic_opening_percent = p.glottic_opening_max_percent;

@@ -10,8 +10,8 @@
 
 namespace eti::bench {
 
-/// What one scripted intubation came to, and what it cost.
-struct Trial {
+/// Outcome and cost of one scripted intubation.
+struct TrialResult {
     bool success = false;
     std::string reason;
     double glottic_opening_percent = 0.0;  ///< greatest
@@ -26,6 +26,6 @@ struct Trial {
 };
 
 /// Plays `script` on `scenario` to its end, at most two minutes of simulation time.
-[[nodiscard]] Trial perform(const Scenario& scenario, const OperatorScript& script, std::uint64_t seed);
+[[nodiscard]] TrialResult perform(const Scenario& scenario, const OperatorScript& script, std::uint64_t seed);
 
 }  // namespace eti::bench

@@ -12,21 +12,21 @@
 namespace eti::headset_runtime {
 namespace {
 
-// Of several inputs the one that is moved farthest counts (OpenXR 1.0, 11.4).
+// Of several bound inputs, the one with the largest magnitude counts (OpenXR 1.0, 11.4).
 std::array<float, 2> value_of(const XrActionStateGetInfo* info, XrActionType type, bool& active) {
     const Action& action = state.actions.at(number(info->action));
     if (action.type != type) {
-        course().fault("an action was asked for what it is not");
+        simulation().fault("an action was asked for what it is not");
     }
     active = false;
     std::array<float, 2> out{};
     for (const std::string& input : action.inputs) {
-        // Of one hand, where the program asks for one.
+        // Restricted to one hand if the application passes a subaction path.
         if (!input.starts_with(state.paths.at(info->subactionPath))) {
             continue;
         }
         active = state.synchronised;
-        const auto one = course().script().input_at(input, course().frame());
+        const auto one = simulation().script().input_at(input, simulation().frame());
         if (active && std::hypot(one[0], one[1]) > std::hypot(out[0], out[1])) {
             out = one;
         }
@@ -76,16 +76,16 @@ XrResult XRAPI_CALL destroy_action(XrAction action) {
 
 XrResult XRAPI_CALL suggest(XrInstance, const XrInteractionProfileSuggestedBinding* bindings) {
     if (state.attached) {
-        course().fault("bindings were suggested after the session began to use them");
+        simulation().fault("bindings were suggested after the session began to use them");
         return XR_ERROR_ACTIONSETS_ALREADY_ATTACHED;
     }
     const std::string profile = state.paths.at(bindings->interactionProfile);
-    auto& profiles = course().noted()["profiles"];
+    auto& profiles = simulation().report_json()["profiles"];
     if (std::find(profiles.begin(), profiles.end(), profile) == profiles.end()) {
         profiles.push_back(profile);
     }
-    for (std::uint32_t i = 0; profile == course().script().controller && i < bindings->countSuggestedBindings;
-         ++i) {
+    for (std::uint32_t i = 0;
+         profile == simulation().script().controller && i < bindings->countSuggestedBindings; ++i) {
         const auto& [action, path] = bindings->suggestedBindings[i];
         state.actions.at(number(action)).inputs.push_back(state.paths.at(path));
     }
@@ -99,14 +99,14 @@ XrResult XRAPI_CALL attach(XrSession, const XrSessionActionSetsAttachInfo*) {
 
 XrResult XRAPI_CALL synchronise(XrSession, const XrActionsSyncInfo*) {
     ETI_UNLESS_LOST();
-    state.synchronised = course().focused();
+    state.synchronised = simulation().focused();
     return state.synchronised ? XR_SUCCESS : XR_SESSION_NOT_FOCUSED;
 }
 
 XrResult XRAPI_CALL create_action_space(XrSession, const XrActionSpaceCreateInfo* info, XrSpace* out) {
     ETI_UNLESS_LOST();
     if (state.actions.at(number(info->action)).type != XR_ACTION_TYPE_POSE_INPUT) {
-        course().fault("a space was asked for of an action that is no pose");
+        simulation().fault("a space was asked for of an action that is no pose");
         return XR_ERROR_ACTION_TYPE_MISMATCH;
     }
     *out = new_handle<XrSpace>();
@@ -116,14 +116,14 @@ XrResult XRAPI_CALL create_action_space(XrSession, const XrActionSpaceCreateInfo
 
 XrResult XRAPI_CALL locate_space(XrSpace space, XrSpace, XrTime when, XrSpaceLocation* out) {
     ETI_UNLESS_LOST();
-    if (when != course().seen_at()) {
-        course().fault("a hand was asked for at another time than the frame is seen");
+    if (when != simulation().seen_at()) {
+        simulation().fault("a hand was asked for at another time than the frame is seen");
     }
     const ActionSpace& asked = state.action_spaces.at(number(space));
     const Action& action = state.actions.at(asked.action);
     const bool bound = std::ranges::any_of(
         action.inputs, [&](const std::string& input) { return input.starts_with(asked.hand); });
-    const auto aim = course().aim(asked.hand);
+    const auto aim = simulation().aim(asked.hand);
     out->locationFlags = 0;
     out->pose = {{0.0f, 0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
     if (state.synchronised && bound && aim) {
@@ -141,7 +141,7 @@ XrResult XRAPI_CALL get_float(XrSession, const XrActionStateGetInfo* info, XrAct
     bool active = false;
     out->currentState = value_of(info, XR_ACTION_TYPE_FLOAT_INPUT, active)[0];
     out->changedSinceLastSync = XR_FALSE;
-    out->lastChangeTime = course().seen_at();
+    out->lastChangeTime = simulation().seen_at();
     out->isActive = active;
     return XR_SUCCESS;
 }
@@ -149,7 +149,7 @@ XrResult XRAPI_CALL get_boolean(XrSession, const XrActionStateGetInfo* info, XrA
     bool active = false;
     out->currentState = value_of(info, XR_ACTION_TYPE_BOOLEAN_INPUT, active)[0] > 0.5f;
     out->changedSinceLastSync = XR_FALSE;
-    out->lastChangeTime = course().seen_at();
+    out->lastChangeTime = simulation().seen_at();
     out->isActive = active;
     return XR_SUCCESS;
 }
@@ -158,7 +158,7 @@ XrResult XRAPI_CALL get_vector(XrSession, const XrActionStateGetInfo* info, XrAc
     const auto value = value_of(info, XR_ACTION_TYPE_VECTOR2F_INPUT, active);
     out->currentState = {value[0], value[1]};
     out->changedSinceLastSync = XR_FALSE;
-    out->lastChangeTime = course().seen_at();
+    out->lastChangeTime = simulation().seen_at();
     out->isActive = active;
     return XR_SUCCESS;
 }

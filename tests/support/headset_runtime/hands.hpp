@@ -8,7 +8,7 @@
 
 namespace eti::headset_runtime {
 
-// OpenXR's calls about paths and actions.
+// OpenXR functions for paths and actions.
 XrResult XRAPI_CALL string_to_path(XrInstance, const char* text, XrPath* out);
 XrResult XRAPI_CALL path_to_string(XrInstance, XrPath path, std::uint32_t capacity, std::uint32_t* count,
                                    char* out);

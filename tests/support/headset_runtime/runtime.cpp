@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 
-// An OpenXR runtime for tests: a headset and two hand controllers that do what a script says, in simulated
-// time. It answers what a program of ours calls and nothing more, checks the order of its calls and the times
-// of its frames, and keeps the pictures that it is given. ETI_HEADSET_FOLDER names where script.json lies and
-// where report.json and pictures go.
+// An OpenXR runtime for tests: a headset and two hand controllers driven by a script in simulated time. It
+// implements only the functions that this project calls, checks call order and frame times, and saves the
+// submitted images. ETI_HEADSET_FOLDER names the folder of script.json (input), report.json and the images
+// (output).
 #include <openxr/openxr.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 #include "tests/support/headset_runtime/hands.hpp"
 #include "tests/support/headset_runtime/state.hpp"
 
-// Last: X11 defines words that other headers use.
+// Included last: X11 defines macros that clash with other headers.
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <epoxy/glx.h>
@@ -32,8 +32,7 @@
 #define XR_USE_PLATFORM_XLIB
 #include <openxr/openxr_platform.h>
 
-// How loader and runtime find each other (OpenXR loader design, "Loader to runtime"); Debian has no header of
-// it.
+// Loader negotiation (OpenXR loader design, "Loader to runtime"); Debian ships no header for it.
 struct XrNegotiateLoaderInfo {
     std::uint32_t structType, structVersion;
     std::size_t structSize;
@@ -72,7 +71,7 @@ XrResult XRAPI_CALL extensions(const char*, std::uint32_t capacity, std::uint32_
 XrResult XRAPI_CALL create_instance(const XrInstanceCreateInfo*, XrInstance* out) {
     const char* const folder = std::getenv("ETI_HEADSET_FOLDER");
     try {
-        state.course = std::make_unique<Course>(folder != nullptr ? folder : ".");
+        state.simulation = std::make_unique<SimulatedSession>(folder != nullptr ? folder : ".");
     } catch (const std::exception& error) {
         fmt::print(stderr, "headset_runtime: script.json cannot be read: {}\n", error.what());
         return XR_ERROR_RUNTIME_FAILURE;
@@ -83,9 +82,9 @@ XrResult XRAPI_CALL create_instance(const XrInstanceCreateInfo*, XrInstance* out
 
 XrResult XRAPI_CALL destroy_instance(XrInstance) {
     if (state.session != XR_NULL_HANDLE) {
-        course().fault("the instance was destroyed before its session");
+        simulation().fault("the instance was destroyed before its session");
     }
-    course().report();
+    simulation().report();
     state = State();
     return XR_SUCCESS;
 }
@@ -98,7 +97,7 @@ XrResult XRAPI_CALL instance_properties(XrInstance, XrInstanceProperties* out) {
 
 XrResult XRAPI_CALL poll_event(XrInstance, XrEventDataBuffer* out) {
     ETI_UNLESS_LOST();
-    const auto message = course().next_message();
+    const auto message = simulation().next_message();
     if (!message) {
         return XR_EVENT_UNAVAILABLE;
     }
@@ -107,14 +106,14 @@ XrResult XRAPI_CALL poll_event(XrInstance, XrEventDataBuffer* out) {
         event.type = XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED;
         event.session = state.session;
         event.state = *changed;
-        event.time = course().seen_at();
+        event.time = simulation().seen_at();
         std::memcpy(out, &event, sizeof event);
     } else {
         XrEventDataReferenceSpaceChangePending event{};
         event.type = XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING;
         event.session = state.session;
         event.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
-        event.changeTime = course().seen_at();
+        event.changeTime = simulation().seen_at();
         event.poseInPreviousSpace.orientation.w = 1.0f;
         std::memcpy(out, &event, sizeof event);
     }
@@ -126,7 +125,7 @@ XrResult XRAPI_CALL get_system(XrInstance, const XrSystemGetInfo* info, XrSystem
     if (info->formFactor != XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY) {
         return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
     }
-    if (state.asked_for_headset++ < course().script().absent) {
+    if (state.asked_for_headset++ < simulation().script().absent) {
         return XR_ERROR_FORM_FACTOR_UNAVAILABLE;
     }
     *out = 1;
@@ -150,8 +149,8 @@ XrResult XRAPI_CALL view_configurations(XrInstance, XrSystemId, std::uint32_t ca
 XrResult XRAPI_CALL view_configuration_views(XrInstance, XrSystemId, XrViewConfigurationType,
                                              std::uint32_t capacity, std::uint32_t* count,
                                              XrViewConfigurationView* out) {
-    const auto width = static_cast<std::uint32_t>(course().script().eye_width);
-    const auto height = static_cast<std::uint32_t>(course().script().eye_height);
+    const auto width = static_cast<std::uint32_t>(simulation().script().eye_width);
+    const auto height = static_cast<std::uint32_t>(simulation().script().eye_height);
     const XrViewConfigurationView view{
         XR_TYPE_VIEW_CONFIGURATION_VIEW, nullptr, width, 2 * width, height, 2 * height, 1, 4};
     return fill<XrViewConfigurationView>({view, view}, capacity, count, out);
@@ -187,38 +186,38 @@ bool names_current_context(const XrBaseInStructure* binding) {
 XrResult XRAPI_CALL create_session(XrInstance, const XrSessionCreateInfo* info, XrSession* out) {
     ETI_UNLESS_LOST();
     if (!state.versions_asked) {
-        course().fault("xrCreateSession before xrGetOpenGLGraphicsRequirementsKHR");
+        simulation().fault("xrCreateSession before xrGetOpenGLGraphicsRequirementsKHR");
         return XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING;
     }
     if (!names_current_context(static_cast<const XrBaseInStructure*>(info->next))) {
-        course().fault("xrCreateSession without the context that is current");
+        simulation().fault("xrCreateSession without the context that is current");
         return XR_ERROR_GRAPHICS_DEVICE_INVALID;
     }
     *out = state.session = new_handle<XrSession>();
     state.attached = state.synchronised = false;
-    course().session_made();
+    simulation().session_made();
     return XR_SUCCESS;
 }
 
 XrResult XRAPI_CALL destroy_session(XrSession) {
     state.chains.clear();
     state.session = XR_NULL_HANDLE;
-    course().session_gone();
-    course().report();
+    simulation().session_gone();
+    simulation().report();
     return XR_SUCCESS;
 }
 
 XrResult XRAPI_CALL begin_session(XrSession, const XrSessionBeginInfo*) {
     ETI_UNLESS_LOST();
-    return course().begin_session();
+    return simulation().begin_session();
 }
 XrResult XRAPI_CALL end_session(XrSession) {
     ETI_UNLESS_LOST();
-    return course().end_session();
+    return simulation().end_session();
 }
 XrResult XRAPI_CALL request_exit(XrSession) {
     ETI_UNLESS_LOST();
-    return course().request_exit();
+    return simulation().request_exit();
 }
 
 XrResult XRAPI_CALL create_space(XrSession, const XrReferenceSpaceCreateInfo* info, XrSpace* out) {
@@ -241,13 +240,13 @@ XrResult XRAPI_CALL formats(XrSession, std::uint32_t capacity, std::uint32_t* co
 
 XrResult XRAPI_CALL create_swapchain(XrSession, const XrSwapchainCreateInfo* info, XrSwapchain* out) {
     ETI_UNLESS_LOST();
-    if (info->arraySize > 1 && !course().script().layered) {
+    if (info->arraySize > 1 && !simulation().script().layered) {
         return XR_ERROR_FEATURE_UNSUPPORTED;
     }
     *out = new_handle<XrSwapchain>();
-    state.chains[number(*out)] =
-        std::make_unique<Chain>(static_cast<int>(info->width), static_cast<int>(info->height),
-                                static_cast<int>(info->arraySize), static_cast<GLenum>(info->format));
+    state.chains[number(*out)] = std::make_unique<RuntimeSwapchain>(
+        static_cast<int>(info->width), static_cast<int>(info->height), static_cast<int>(info->arraySize),
+        static_cast<GLenum>(info->format));
     return XR_SUCCESS;
 }
 
@@ -258,8 +257,8 @@ XrResult XRAPI_CALL destroy_swapchain(XrSwapchain swapchain) {
 
 XrResult XRAPI_CALL swapchain_images(XrSwapchain swapchain, std::uint32_t capacity, std::uint32_t* count,
                                      XrSwapchainImageBaseHeader* out) {
-    *count = Chain::length;
-    for (std::uint32_t i = 0; i < std::min(capacity, Chain::length); ++i) {
+    *count = RuntimeSwapchain::length;
+    for (std::uint32_t i = 0; i < std::min(capacity, RuntimeSwapchain::length); ++i) {
         reinterpret_cast<XrSwapchainImageOpenGLKHR*>(out)[i].image =
             state.chains.at(number(swapchain))->textures[i];
     }
@@ -268,25 +267,25 @@ XrResult XRAPI_CALL swapchain_images(XrSwapchain swapchain, std::uint32_t capaci
 
 XrResult XRAPI_CALL acquire(XrSwapchain swapchain, const XrSwapchainImageAcquireInfo*, std::uint32_t* index) {
     ETI_UNLESS_LOST();
-    Chain& chain = *state.chains.at(number(swapchain));
-    if (chain.acquired || !course().in_frame()) {
-        course().fault("a picture was acquired twice, or outside a frame");
+    RuntimeSwapchain& chain = *state.chains.at(number(swapchain));
+    if (chain.acquired || !simulation().in_frame()) {
+        simulation().fault("a picture was acquired twice, or outside a frame");
         return XR_ERROR_CALL_ORDER_INVALID;
     }
     chain.acquired = true;
     *index = chain.next;
-    chain.next = (chain.next + 1) % Chain::length;
+    chain.next = (chain.next + 1) % RuntimeSwapchain::length;
     return XR_SUCCESS;
 }
 
 XrResult XRAPI_CALL wait_image(XrSwapchain swapchain, const XrSwapchainImageWaitInfo*) {
-    Chain& chain = *state.chains.at(number(swapchain));
+    RuntimeSwapchain& chain = *state.chains.at(number(swapchain));
     if (!chain.acquired || chain.waited) {
-        course().fault("a picture was waited for that was not acquired");
+        simulation().fault("a picture was waited for that was not acquired");
         return XR_ERROR_CALL_ORDER_INVALID;
     }
     chain.waited = true;
-    // As runtimes may: whoever draws must make its own current again.
+    // The specification allows this: the application must make its own context current again.
     if (state.display != nullptr) {
         glXMakeCurrent(static_cast<Display*>(state.display), 0, nullptr);
     } else {
@@ -296,13 +295,13 @@ XrResult XRAPI_CALL wait_image(XrSwapchain swapchain, const XrSwapchainImageWait
 }
 
 XrResult XRAPI_CALL release(XrSwapchain swapchain, const XrSwapchainImageReleaseInfo*) {
-    Chain& chain = *state.chains.at(number(swapchain));
+    RuntimeSwapchain& chain = *state.chains.at(number(swapchain));
     if (!chain.waited) {
-        course().fault("a picture was released that was not waited for");
+        simulation().fault("a picture was released that was not waited for");
         return XR_ERROR_CALL_ORDER_INVALID;
     }
     if (glGetError() != GL_NO_ERROR) {
-        course().fault("OpenGL reports an error");
+        simulation().fault("OpenGL reports an error");
     }
     chain.acquired = chain.waited = false;
     chain.ever_released = true;
@@ -313,23 +312,23 @@ XrResult XRAPI_CALL release(XrSwapchain swapchain, const XrSwapchainImageRelease
 
 XrResult XRAPI_CALL wait_frame(XrSession, const XrFrameWaitInfo*, XrFrameState* out) {
     ETI_UNLESS_LOST();
-    return course().wait_frame(*out);
+    return simulation().wait_frame(*out);
 }
 XrResult XRAPI_CALL begin_frame(XrSession, const XrFrameBeginInfo*) {
     ETI_UNLESS_LOST();
-    return course().begin_frame();
+    return simulation().begin_frame();
 }
 
 XrResult XRAPI_CALL locate_views(XrSession, const XrViewLocateInfo* info, XrViewState* views,
                                  std::uint32_t capacity, std::uint32_t* count, XrView* out) {
     ETI_UNLESS_LOST();
-    if (info->displayTime != course().seen_at()) {
-        course().fault("eyes were asked for at another time than the frame is seen");
+    if (info->displayTime != simulation().seen_at()) {
+        simulation().fault("eyes were asked for at another time than the frame is seen");
     }
     views->viewStateFlags = XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT |
                             XR_VIEW_STATE_POSITION_TRACKED_BIT | XR_VIEW_STATE_ORIENTATION_TRACKED_BIT;
-    return fill<XrView>({course().eye(0, info->displayTime), course().eye(1, info->displayTime)}, capacity,
-                        count, out);
+    return fill<XrView>({simulation().eye(0, info->displayTime), simulation().eye(1, info->displayTime)},
+                        capacity, count, out);
 }
 
 bool fits(const XrSwapchainSubImage& part) {
@@ -337,7 +336,7 @@ bool fits(const XrSwapchainSubImage& part) {
     if (found == state.chains.end()) {
         return false;
     }
-    const Chain& chain = *found->second;
+    const RuntimeSwapchain& chain = *found->second;
     const auto& [offset, extent] = part.imageRect;
     return !chain.acquired && chain.ever_released && offset.x >= 0 && offset.y >= 0 && extent.width > 0 &&
            extent.height > 0 && offset.x + extent.width <= chain.width &&
@@ -347,7 +346,7 @@ bool fits(const XrSwapchainSubImage& part) {
 void keep(const XrSwapchainSubImage& part, const char* what) {
     state.chains.at(number(part.swapchain))
         ->write(static_cast<int>(part.imageArrayIndex),
-                course().folder() / fmt::format("{:03d}_{}.png", course().frame(), what));
+                simulation().folder() / fmt::format("{:03d}_{}.png", simulation().frame(), what));
 }
 
 bool same(const XrView& a, const XrCompositionLayerProjectionView& b) {
@@ -362,17 +361,17 @@ bool same(const XrView& a, const XrCompositionLayerProjectionView& b) {
 
 void show_eyes(const XrCompositionLayerProjection& layer, bool kept) {
     if (layer.viewCount != 2) {
-        course().fault("not two eyes were shown");
+        simulation().fault("not two eyes were shown");
         return;
     }
     nlohmann::json eyes = nlohmann::json::array();
     for (int i = 0; i < 2; ++i) {
         const XrCompositionLayerProjectionView& view = layer.views[i];
-        if (!same(course().eye(i, course().seen_at()), view)) {
-            course().fault("an eye was drawn from elsewhere than it will be");
+        if (!same(simulation().eye(i, simulation().seen_at()), view)) {
+            simulation().fault("an eye was drawn from elsewhere than it will be");
         }
         if (!fits(view.subImage)) {
-            course().fault("an eye's picture is none, or lies outside its chain");
+            simulation().fault("an eye's picture is none, or lies outside its chain");
         } else if (kept) {
             keep(view.subImage, i == 0 ? "left" : "right");
         }
@@ -383,13 +382,13 @@ void show_eyes(const XrCompositionLayerProjection& layer, bool kept) {
              {"fov", {view.fov.angleLeft, view.fov.angleRight, view.fov.angleUp, view.fov.angleDown}}});
     }
     if (kept) {
-        course().noted()["pictures"].push_back({{"frame", course().frame()}, {"eyes", eyes}});
+        simulation().report_json()["pictures"].push_back({{"frame", simulation().frame()}, {"eyes", eyes}});
     }
 }
 
 XrResult XRAPI_CALL end_frame(XrSession, const XrFrameEndInfo* info) {
     ETI_UNLESS_LOST();
-    const bool kept = course().script().pictures.contains(course().frame());
+    const bool kept = simulation().script().pictures.contains(simulation().frame());
     bool shown = false;
     int sheets = 0;
     for (std::uint32_t i = 0; i < info->layerCount; ++i) {
@@ -400,22 +399,22 @@ XrResult XRAPI_CALL end_frame(XrSession, const XrFrameEndInfo* info) {
         } else if (layer->type == XR_TYPE_COMPOSITION_LAYER_QUAD) {
             const auto& sheet = *reinterpret_cast<const XrCompositionLayerQuad*>(layer);
             if (!fits(sheet.subImage)) {
-                course().fault("the sheet's picture is none, or lies outside its chain");
+                simulation().fault("the sheet's picture is none, or lies outside its chain");
             } else if (kept) {
-                // The first has the readout.
+                // The first quad carries the readout.
                 const char* const name = sheets == 0 ? "sheet" : "panel";
                 keep(sheet.subImage, name);
                 const auto& [turn, place] = sheet.pose;
-                course().noted()[name] = {{"position", {place.x, place.y, place.z}},
-                                          {"orientation", {turn.w, turn.x, turn.y, turn.z}},
-                                          {"size", {sheet.size.width, sheet.size.height}}};
+                simulation().report_json()[name] = {{"position", {place.x, place.y, place.z}},
+                                                    {"orientation", {turn.w, turn.x, turn.y, turn.z}},
+                                                    {"size", {sheet.size.width, sheet.size.height}}};
             }
             ++sheets;
         } else {
-            course().fault("a layer of an unknown kind");
+            simulation().fault("a layer of an unknown kind");
         }
     }
-    return course().end_frame(info->displayTime, shown);
+    return simulation().end_frame(info->displayTime, shown);
 }
 
 XrResult XRAPI_CALL function_named(XrInstance, const char* name, PFN_xrVoidFunction* out) {

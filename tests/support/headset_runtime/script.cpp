@@ -10,9 +10,9 @@
 namespace eti::headset_runtime {
 
 RigidTransform Script::head_at(double frame) const {
-    const auto after = std::ranges::find_if(head, [&](const HeadAt& one) { return one.frame > frame; });
-    const HeadAt& to = after == head.end() ? head.back() : *after;
-    const HeadAt& from = after == head.begin() ? head.front() : *(after - 1);
+    const auto after = std::ranges::find_if(head, [&](const HeadKeyframe& one) { return one.frame > frame; });
+    const HeadKeyframe& to = after == head.end() ? head.back() : *after;
+    const HeadKeyframe& from = after == head.begin() ? head.front() : *(after - 1);
     const double length = to.frame - from.frame;
     const auto share = static_cast<float>(length > 0.0 ? (frame - from.frame) / length : 0.0);
     const float pitch = from.pitch + share * (to.pitch - from.pitch);
@@ -22,7 +22,7 @@ RigidTransform Script::head_at(double frame) const {
 
 std::array<float, 2> Script::input_at(const std::string& input, double frame) const {
     std::array<float, 2> out{};
-    for (const HandDoes& one : hands) {
+    for (const InputKeyframe& one : hands) {
         if (one.input == input && one.frame <= frame) {
             out = one.value;
         }
@@ -32,7 +32,7 @@ std::array<float, 2> Script::input_at(const std::string& input, double frame) co
 
 std::optional<RigidTransform> Script::aim_at(const std::string& hand, double frame) const {
     std::optional<RigidTransform> out;
-    for (const HandAims& one : aims) {
+    for (const AimKeyframe& one : aims) {
         if (one.hand == hand && one.frame <= frame) {
             out = one.aim;
         }

@@ -10,32 +10,32 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/headset_runtime/course.hpp"
-#include "tests/support/headset_runtime/pictures.hpp"
+#include "tests/support/headset_runtime/runtime_swapchain.hpp"
+#include "tests/support/headset_runtime/simulated_session.hpp"
 
 namespace eti::headset_runtime {
 
 struct Action {
     XrActionType type;
-    std::vector<std::string> inputs;  // of the controller that the script holds
+    std::vector<std::string> inputs;  // of the controller in the script
 };
 
-// Of an action's space.
+// An action space.
 struct ActionSpace {
     std::uint64_t action;
     std::string hand;
 };
 
-// One of each at a time: handles are checked by the validation layer.
+// One of each at a time; the validation layer checks handles.
 struct State {
-    std::unique_ptr<Course> course;
+    std::unique_ptr<SimulatedSession> simulation;
     std::vector<std::string> paths{""};
-    std::map<std::uint64_t, std::unique_ptr<Chain>> chains;
+    std::map<std::uint64_t, std::unique_ptr<RuntimeSwapchain>> chains;
     std::map<std::uint64_t, Action> actions;
     std::map<std::uint64_t, ActionSpace> action_spaces;
     std::uint64_t next_handle = 1;
     XrSession session = XR_NULL_HANDLE;
-    void* display = nullptr;  // Xlib's, of a program with a window
+    void* display = nullptr;  // Xlib's display, for an application with a window
     bool versions_asked = false, attached = false, synchronised = false;
     int asked_for_headset = 0;
 };
@@ -50,13 +50,13 @@ template <class Handle>
     return reinterpret_cast<std::uint64_t>(handle);
 }
 
-[[nodiscard]] inline Course& course() {
-    return *state.course;
+[[nodiscard]] inline SimulatedSession& simulation() {
+    return *state.simulation;
 }
 
 // Every call on a lost runtime fails.
 #define ETI_UNLESS_LOST()              \
-    if (course().lost()) {             \
+    if (simulation().lost()) {         \
         return XR_ERROR_INSTANCE_LOST; \
     }
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every parameter of a session, computed anew from its file by what docs/metrics.md and docs/session-files.md say.
+"""Every metric of a session, recomputed from its file by docs/metrics.md and docs/session-files.md.
 
-Nothing of it is the program's own: peaks are scipy's, wavelets PyWavelets'. Numbers that definitions turn on come from
-the file.
+Shares no code with the program: peaks are scipy's, wavelets PyWavelets'. Constants of the definitions come from the
+file.
 """
 
 from collections import namedtuple
@@ -16,7 +16,7 @@ NAN = float("nan")
 
 
 def turned(quaternion, vector):
-    """Vectors (n, 3) or (3,) by unit quaternions w x y z (n, 4)."""
+    """Rotates vectors (n, 3) or (3,) by unit quaternions w x y z (n, 4)."""
     w, axis = quaternion[:, :1], quaternion[:, 1:]
     across = 2.0 * numpy.cross(axis, vector)
     return vector + w * across + numpy.cross(axis, across)
@@ -35,7 +35,7 @@ def texts(data_set):
 
 
 def foot(point, start, end, endless):
-    """How far along from start to end the foot of a point lies, and how far the point is from it [m]."""
+    """Position of a point's foot along the line from start to end, and the point's distance from it [m]."""
     way = end - start
     length = numpy.linalg.norm(way, axis=1)
     way = way / length[:, None]
@@ -44,8 +44,8 @@ def foot(point, start, end, endless):
 
 
 def passages(past, in_reach, still_there, slack):
-    """Whether one is through a gate in each step: in beyond it by the slack and in reach, out before it by the slack or
-    no longer there."""
+    """Whether a point is through a gate in each step: in once it is beyond by the slack and in reach, out once it is
+    before it by the slack or out of reach."""
     inside, state = [], False
     for p, reach, there in zip(past, in_reach, still_there):
         state = (not (p < -slack or not there)) if state else (p > slack and reach)
@@ -58,7 +58,7 @@ def entries(inside):
 
 
 class Steps:
-    """What of every step definitions speak of."""
+    """Per-step quantities that definitions refer to."""
 
     def __init__(self, file):
         self.file = file
@@ -156,7 +156,7 @@ class Steps:
 
 
 def binned(time, values, rate):
-    """Means over bins; the last one, that is not full, is left out."""
+    """Means over bins; the last, incomplete one is left out."""
     number = numpy.floor(time * rate + 1e-6).astype(int)
     return numpy.array([values[number == i].mean() for i in range(number[-1])])
 
@@ -177,7 +177,7 @@ def peaks(curve, prominence):
 
 
 def speeds(points, time, inside, every):
-    """Speeds over intervals of so many steps that lie wholly inside, and the intervals [m/s, s]."""
+    """Speeds over intervals of that many steps that lie wholly inside, and the intervals [m/s, s]."""
     found, since = [], None
     for row, here in enumerate(inside):
         if not here:
@@ -267,7 +267,7 @@ def intubated(steps, row):
 
 
 def attempts(steps):
-    """Those that count, in order."""
+    """Attempts that count, in order."""
     begins = numpy.flatnonzero(entries(steps.blade_in))
     ends = numpy.flatnonzero(entries(~steps.blade_in) & (numpy.arange(len(steps.time)) > 0))
     found = []
@@ -280,7 +280,7 @@ def attempts(steps):
 
 
 def run(steps, parts):
-    """The run's parameters, from those of its attempts by the words of the file."""
+    """The run's metrics, from those of its attempts as the file defines."""
     words = steps.file["scene/definitions/parameters"]
     found = {}
     for key, how in zip(texts(words["key"]), texts(words["run"])):

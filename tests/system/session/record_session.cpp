@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// Records a made-up session, for tests that kill it or take its disk away.
+// Records a synthetic session, for tests that kill it or remove its disk.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-/// When each step was pushed [ns of the monotonic clock], in a file that outlives the process.
+/// Push time of each step [ns of the monotonic clock], in a file that outlives the process.
 class Log {
   public:
     Log(const char* path, std::size_t steps) {
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
     settings.on_error = [](const std::string& text) { std::cerr << text << std::endl; };
     settings.on_warning = settings.on_error;
     settings.wait_when_full = speed == 0.0;
-    // As long as at real time, for a machine that is busy with other things.
+    // As long as in real time, for a machine under other load.
     settings.waiting_steps =
         static_cast<std::size_t>(static_cast<double>(settings.waiting_steps) * std::max(speed, 1.0));
     Log log(argv[2], steps);
@@ -92,8 +92,8 @@ int main(int argc, char** argv) {
         eti::Outcome outcome;
         outcome.success = true;
         outcome.reason = "made up";
-        writer.push(SummaryRecord{1, outcome, sample::step(steps).parameters});
-        writer.push(SummaryRecord{0, outcome, sample::step(steps).parameters});
+        writer.push(SummaryRecord{1, outcome, sample::step(steps).metrics});
+        writer.push(SummaryRecord{0, outcome, sample::step(steps).metrics});
         return writer.close() ? 0 : 3;
     } catch (const eti::hdf5::Error& error) {
         std::cerr << error.what() << '\n';

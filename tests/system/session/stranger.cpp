@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// A program of the session that does what it should not, for the tests: eti-stranger WHAT [session options].
+// A participant that violates the session's rules, for tests: eti-stranger WHAT [session options].
 #include <fmt/format.h>
 
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/bus/command_line.hpp"
-#include "common/bus/convert.hpp"
 #include "common/process/command_line.hpp"
 
 namespace eti {
@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Calls `send` at `rate` a second for `seconds`, once somebody listens or two seconds have passed.
+/// Calls `send` `rate` times a second for `seconds`, once a reader has matched or two seconds have passed.
 template <class Message, class Send>
 std::uint64_t send_at(double rate, double seconds, bus::Publisher<Message>& topic, const Send& send) {
     for (int i = 0; i < 200 && topic.matched() == 0; ++i) {
@@ -66,7 +66,7 @@ std::uint64_t end_session(bus::Node& node, double seconds) {
     });
 }
 
-/// The frames of a patient that is not there, under the names of the true ones.
+/// The frames of a nonexistent patient, under the names of the real ones.
 std::uint64_t show_scene(bus::Node& node, double seconds) {
     bus::Publisher<msg::SceneDescription> topic(node, bus::topics::scene);
     return send_at(20.0, seconds, topic, [&](std::uint32_t number) {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every parameter of recorded sessions follows from their files, by docs/metrics.md and docs/session-files.md alone. All
-of the sessions but one are runs that operator_run.py made."""
+"""Every metric of recorded sessions follows from their files, by docs/metrics.md and docs/session-files.md alone. All
+sessions except one are runs of operator_run.py."""
 
 import json
 import re
@@ -19,10 +19,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
 from operator_run import PARTICIPANT, recording
 
-# The file holds forces, poses and places as float32, as the server has them: 2**-24 = 6e-8 of a value, or 6e-9 m of
-# 0.1 m. Sums over thousands of steps and differences over 1/30 s make up to a hundred times that.
+# The file holds forces, poses and positions as float32, like the server: 2**-24 = 6e-8 of a value, or 6e-9 m of 0.1 m.
+# Sums over thousands of steps and differences over 1/30 s make up to a hundred times that.
 RELATIVE = 1e-5
-# Turns of the blade are products of float32 quaternions: 1e-7 rad = 6e-6 deg, and denoising adds some.
+# Rotations of the blade are products of float32 quaternions: 1e-7 rad = 6e-6 deg, and denoising adds some.
 ABSOLUTE = {"pitch_rocking_deg": 1e-4, "yaw_rocking_deg": 1e-4}
 
 
@@ -45,7 +45,7 @@ class Recomputed(support.Case):
                                               atol=ABSOLUTE.get(key, 0.0))
 
     def assert_recomputed(self, file):
-        """The steps, and the attempts that were found in them."""
+        """Returns the steps and the attempts found in them."""
         steps = recompute.Steps(file)
         numpy.testing.assert_allclose(steps.force("upper gum"), file["metrics/gum_force_now"][:], rtol=RELATIVE,
                                       atol=1e-6)
@@ -75,18 +75,18 @@ class Recomputed(support.Case):
         for name, value, unit, meaning in zip(
                 recompute.texts(numbers["name"]), numbers["value"][:], recompute.texts(numbers["unit"]),
                 recompute.texts(numbers["meaning"])):
-            if name != "time_limit":  # the scenario's
+            if name != "time_limit":  # taken from the scenario
                 shown = f"{value:g} {unit}".removesuffix(" 1")
                 self.assertIn(f"| `{name}` | {shown} | {meaning} |", pages)
 
     def assert_view_is_a_slope(self, steps, part):
-        """Docs/solver/view-over-lift.md: the opening comes into sight over some 2 mm of the blade's way, not at once."""
+        """docs/solver/view-over-lift.md: the opening becomes visible over some 2 mm of the blade's motion, not at once."""
         opening, tip = (values[part.first:part.last + 1] for values in (steps.opening, steps.blade_tip))
         little, most = (int(numpy.argmax(opening > share * opening.max())) for share in (0.1, 0.9))
         self.assertGreater(numpy.linalg.norm(tip[most] - tip[little]), 1e-3)
         self.assertGreaterEqual(len(set(opening[little:most])), 5, "looks between")
 
-    def test_of_an_expert_with_vital_signs(self):
+    def test_expert_attempt_with_vital_signs(self):
         with h5py.File(recording("expert")) as file:
             self.assertEqual(file["meta/more"].attrs["participant"], PARTICIPANT)
             self.assertIn("+y posterior", file["scene"].attrs["patient_frame"])
@@ -100,13 +100,13 @@ class Recomputed(support.Case):
                         "tube_speed_cm_per_s/max", "tube_depth_at_lip_cm", "oxygen_saturation_percent/min"):
                 self.assertGreater(part.values[key], 0.05, f"{key}: else it tells nothing")
 
-    def test_of_a_novice_who_levers(self):
+    def test_novice_attempt_with_levering(self):
         with h5py.File(recording("novice")) as file:
             _, parts = self.assert_recomputed(file)
             self.assertGreater(parts[0].values["pitch_peaks"], 0)
 
-    def test_of_a_tube_pushed_far_past_the_carina(self):
-        """It is counted once, and in nothing else, wherever it goes then."""
+    def test_tube_pushed_past_carina(self):
+        """It is counted once, and nowhere else, wherever it goes afterwards."""
         with h5py.File(recording("too_far")) as file:
             steps, (part,) = self.assert_recomputed(file)
             farthest = (steps.along - steps.trachea_length).max()
@@ -115,9 +115,9 @@ class Recomputed(support.Case):
             self.assertEqual(part.values["main_stem_entries"], 1)
             self.assertEqual(part.values["oesophageal_entries"], 0)
 
-    def test_of_two_attempts(self):
-        """The run's values, of attempts that differ in length, depth and what the tube does."""
-        expert = yaml.safe_load((support.ROOT / "deploy/operators/expert.yaml").read_text(encoding="utf-8"))
+    def test_two_attempts_in_one_run(self):
+        """Values of a run whose attempts differ in length, depth and the tube's path."""
+        expert = yaml.safe_load((support.ROOT / "deploy/data/operators/expert.yaml").read_text(encoding="utf-8"))
         way_in, out = expert["laryngoscope"][:4], expert["laryngoscope"][-1]
         lever = [{"stage": "lever", "keep": True, "pitch_deg": turn, "speed_mm_per_s": 20} for turn in (-9, 9)]
         tube = [{**expert["tube"][0], "until": {"time_s": 3.0}}, {**expert["tube"][1], "hold_s": 4}]
@@ -126,7 +126,7 @@ class Recomputed(support.Case):
             _, parts = self.assert_recomputed(file)
             self.assertEqual(len(parts), 2)
 
-    def test_of_a_tube_in_the_oesophagus(self):
+    def test_tube_in_oesophagus(self):
         with h5py.File(recording("oesophageal")) as file:
             _, parts = self.assert_recomputed(file)
             self.assertEqual(sum(part.values["oesophageal_entries"] for part in parts), 1)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Session files, finished, killed, cut and damaged: what eti-review, h5dump and h5py make of them."""
+"""Session files, finished, killed, truncated and damaged, as read by eti-review, h5dump and h5py."""
 
 import csv
 import json
@@ -24,19 +24,19 @@ import support
 
 RECORD_SESSION = os.environ.get("ETI_RECORD_SESSION", support.BIN.parent / "tests/record_session")
 STEPS_PER_SECOND = 180
-KEPT_AFTER = 0.25     # [s]: what was recorded so long before a kill is kept
+KEPT_AFTER = 0.25     # [s]: rows recorded at least this long before a kill are kept
 TAIL = 2048 * 1024    # [bytes]: of the newest rows, in every file
 KILLS = int(os.environ.get("ETI_KILLS", 6))
 DAMAGED = int(os.environ.get("ETI_DAMAGED", 40))
 
-# What the writer makes up: value(step, channel) = 0.1 sin(0.01 step + channel), in float32. The argument
-# reaches 180 and is rounded twice to 24 bits, so it is off by 2 * 180 * 2**-24 = 2e-5, the value by 0.1 times
-# that, and by its own rounding.
+# The writer's synthetic values: value(step, channel) = 0.1 sin(0.01 step + channel), in float32. The argument reaches
+# 180 and is rounded twice to 24 bits, so it is off by 2 * 180 * 2**-24 = 2e-5, the value by 0.1 times that, and by its
+# own rounding.
 TOLERANCE = 3e-6
 
 
 def before_other_programs():
-    """For a process whose delays count: other programs have to wait for it, where the system grants that."""
+    """Raises the priority of a process whose delays are measured, where the system permits it."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
     except PermissionError:
@@ -73,7 +73,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def assert_nothing_is_lost_in_silence(self):
-        """What a repaired file holds is what was recorded; what it lacks stands in its list of damage."""
+        """A repaired file holds recorded values only; its damage list names what is missing."""
         with h5py.File(self.file, "r") as file:
             steps = file["inputs/step"][:]
             numpy.testing.assert_array_equal(steps, numpy.arange(len(steps)))
@@ -98,7 +98,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.stderr, "")
 
     def assert_h5py_finds_the_numbers(self, at_least):
-        """Every step series has the same length, and holds what was made up for its steps."""
+        """Every step series has the same length, and holds the synthetic values of its steps."""
         with h5py.File(self.file, "r") as file:
             steps = file["inputs/step"][:]
             self.assertGreaterEqual(len(steps), at_least)
@@ -125,7 +125,7 @@ class SessionFile(support.Case):
                 numpy.testing.assert_array_equal(deformation["frame"][:counts[0]], numpy.arange(0, 200, 3))
             return len(steps), len(counts)
 
-    def test_finished_file_is_read_by_h5dump_and_h5py(self):
+    def test_finished_file_is_readable_by_h5dump_and_h5py(self):
         self.record(500)
         self.assert_h5dump_reads_everything()
         self.assertEqual(self.assert_h5py_finds_the_numbers(500), (500, 42))
@@ -140,7 +140,7 @@ class SessionFile(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def waited_for_a_processor(self, process):
-        """How long the kernel let each thread of a process wait until it ran [ns]."""
+        """Time that each thread of a process has waited for a processor [ns]."""
         waited = {}
         for task in Path(f"/proc/{process.pid}/task").iterdir():
             try:
@@ -150,10 +150,10 @@ class SessionFile(support.Case):
         return waited
 
     def kill_at(self, delay, speed, stood_still=0.0, caught_up=0.0):
-        """Kills a recording; how many steps had been pushed so long before that they have to be kept, and in all.
+        """Kills a recording; returns how many steps had been pushed long enough before to be kept, and in all.
 
-        One that `stood_still` [s] before has much to write at once, as on a busy machine, until it has `caught_up`
-        [s]. While it has no processor, no time passes for it.
+        One that `stood_still` [s] before has much to write at once, as on a busy machine, until it has `caught_up` [s].
+        Time without a processor does not count.
         """
         self.file.unlink(missing_ok=True)
         process = self.start(100000, speed, preexec_fn=before_other_programs)
@@ -177,7 +177,7 @@ class SessionFile(support.Case):
         kept = (pushed > 0) & (pushed < killed - (KEPT_AFTER + stood_still) * 1e9 - waited)
         return int(kept.sum()), int((pushed > 0).sum())
 
-    def test_killed_file_is_read_by_h5dump_and_h5py_after_repair(self):
+    def test_killed_file_is_readable_after_repair(self):
         due, _ = self.kill_at(2.2, 1)
         self.assertGreater(due, STEPS_PER_SECOND)
         with self.assertRaises(OSError):
@@ -190,7 +190,7 @@ class SessionFile(support.Case):
         self.assert_h5py_finds_the_numbers(due)
         self.assertEqual(self.review("check", self.file).returncode, 0)
 
-    def test_killed_file_is_summed_up_without_repair(self):
+    def test_killed_file_is_summarised_without_repair(self):
         self.kill_at(1.5, 1)
         before = self.file.read_bytes()
         summary = json.loads(self.review("summary", self.file, "--json").stdout)
@@ -198,14 +198,14 @@ class SessionFile(support.Case):
         self.assertIsNone(summary["success"], "killed is not failed")
         self.assertIn("the recording ends at", summary["reason"])
         self.assertIn("unknown: the recording ends", self.review("summary", self.file).stdout)
-        # The made-up steps say what the parameters were.
+        # The metrics follow from the synthetic steps.
         last = round(summary["duration_s"] * STEPS_PER_SECOND)
         self.assertAlmostEqual(summary["parameters"]["gum_force_n"]["max"], float(value(last, 130)), delta=TOLERANCE)
         self.assertGreater(summary["duration_s"], 0.4)
         self.assertEqual(self.file.read_bytes(), before, "reading changed the file")
 
-    def test_a_kill_at_any_moment_loses_at_most_a_quarter_of_a_second(self):
-        # At real time, and twenty times that, so that most of the time something is being written.
+    def test_kill_loses_at_most_250_ms(self):
+        # In real time, and twenty times as fast, so that something is being written most of the time.
         chance = random.Random(1)
         for i in range(KILLS):
             with self.subTest():
@@ -218,8 +218,8 @@ class SessionFile(support.Case):
                     print(f"pushed {pushed}, due {due}, read {rows}, deformations {deformations}, "
                           f"{self.file.stat().st_size} bytes")
 
-    def test_what_is_written_again_lies_within_a_page(self):
-        """A write that a kill cuts short ends between two pages, so that only what is new can be torn."""
+    def test_rewrites_stay_within_one_page(self):
+        """A write that a kill interrupts ends between two pages, so that only new data can be torn."""
         calls = self.folder / "calls"
         traced = subprocess.run(["strace", "-f", "-e", "trace=pwrite64", "-o", calls, RECORD_SESSION, self.file,
                                  self.log, "1000", "4"], capture_output=True, text=True, timeout=60)
@@ -236,7 +236,7 @@ class SessionFile(support.Case):
         page = resource.getpagesize()
         self.assertEqual([(at, size) for at, size in again if at // page != (at + size - 1) // page], [])
 
-    def test_repair_leaves_a_running_recording_alone(self):
+    def test_repair_refuses_running_recording(self):
         process = self.start(100000, 1)
         try:
             process.stdout.readline()
@@ -248,7 +248,7 @@ class SessionFile(support.Case):
             process.kill()
             process.communicate()
 
-    def test_file_size_limit_ends_the_recording_and_not_the_program(self):
+    def test_file_size_limit_stops_recording_but_not_program(self):
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (TAIL + 700000, TAIL + 700000))
 
@@ -262,11 +262,11 @@ class SessionFile(support.Case):
         self.assert_h5py_finds_the_numbers(90)
         self.assert_h5dump_reads_everything()
 
-    def test_full_disk_ends_the_recording_and_not_the_program(self):
+    def test_full_disk_stops_recording_but_not_program(self):
         disk = self.folder / "disk"
         disk.mkdir()
         kept = self.folder / "kept.eti.h5"
-        # The disk goes with its namespace, so what is on it is copied out by the same shell.
+        # The disk vanishes with its namespace, so the same shell copies its content out.
         script = '"$1" "$2/run.eti.h5" "$3" 3000 20; status=$?; cp "$2/run.eti.h5" "$4"; exit $status'
         done = subprocess.run([*support.on_file_system("size=1536k", disk), "sh", "-c", script, "sh", RECORD_SESSION,
                                disk, self.log, kept], capture_output=True, text=True, timeout=60)
@@ -277,7 +277,7 @@ class SessionFile(support.Case):
         self.repair()
         self.assert_h5py_finds_the_numbers(90)
 
-    def test_disk_too_small_for_a_beginning_is_refused_and_left_clean(self):
+    def test_too_small_disk_is_refused_and_left_empty(self):
         disk = self.folder / "disk"
         disk.mkdir()
         script = '"$1" "$2/run.eti.h5" "$3" 10 0; status=$?; ls "$2"; exit $status'
@@ -288,7 +288,7 @@ class SessionFile(support.Case):
         self.assertIn("No space left on device", done.stderr)
         self.assertEqual(done.stdout.strip(), "")
 
-    def test_truncated_files_are_read_up_to_the_cut_or_refused(self):
+    def test_truncated_files_are_read_up_to_cut_or_refused(self):
         self.record(2000, 20)
         whole = self.file.read_bytes()
         repaired = []
@@ -304,12 +304,12 @@ class SessionFile(support.Case):
                 if self.review("check", self.file, "--repair").returncode == 0:
                     repaired.append(self.assert_nothing_is_lost_in_silence())
                     self.assertEqual(self.review("check", self.file).returncode, 0)
-        # Rows are written in the order of time, so a longer rest holds no fewer of them.
+        # Rows are written in order of time, so a longer remainder holds no fewer of them.
         self.assertEqual(repaired, sorted(repaired))
         self.assertGreater(repaired[-1], 1000, "what 95 % of the file holds")
 
     def damage(self, whole, chance, trial):
-        """Flipped bits, or a block of zeros; every third hits the beginning, where the structure lies thickest."""
+        """Flipped bits, or a block of zeros; every third hits the beginning, where the structure is densest."""
         damaged = bytearray(whole)
         if trial % 4 == 3:
             at = 4096 * chance.randrange(len(whole) // 4096)
@@ -320,7 +320,7 @@ class SessionFile(support.Case):
             damaged[chance.randrange(reach)] ^= 1 << chance.randrange(8)
         return damaged
 
-    def test_damaged_files_lose_nothing_in_silence(self):
+    def test_damage_is_always_reported(self):
         self.record(1000, 20)
         whole = self.file.read_bytes()
         chance = random.Random(7)
@@ -335,7 +335,7 @@ class SessionFile(support.Case):
                     self.assertEqual(self.assert_nothing_is_lost_in_silence(), 1000)
         self.assertGreater(repaired, DAMAGED // 2)
 
-    def test_one_flipped_bit_costs_one_chunk_of_one_series(self):
+    def test_flipped_bit_loses_one_chunk_of_one_series(self):
         self.record(500)
         with h5py.File(self.file, "r") as file:
             chunk = file["tools/proxy_pose"].id.get_chunk_info(2)
@@ -358,14 +358,14 @@ class SessionFile(support.Case):
         self.assertEqual(again.returncode, 0)
         self.assertIn(f"before a repair: {words}", again.stdout)
 
-    def test_a_pipe_is_no_session(self):
+    def test_pipe_is_refused_as_session(self):
         pipe = self.folder / "pipe"
         os.mkfifo(pipe)
         for command in (("summary",), ("check",), ("check", "--repair")):
             self.assert_refused(support.run("eti-review", command[0], pipe, *command[1:], timeout=10), pipe,
                                 "not a regular file")
 
-    def test_a_file_deleted_while_it_is_recorded_is_told(self):
+    def test_file_deletion_during_recording_is_reported(self):
         process = self.start(1000, 1)
         self.assertEqual(process.stdout.readline(), "recording\n")
         time.sleep(0.5)
@@ -374,7 +374,7 @@ class SessionFile(support.Case):
         self.assertIn("was deleted while it was recorded", said)
         self.assertIn(f"cp /proc/{process.pid}/fd/", said)
 
-    def test_summary_says_every_parameter(self):
+    def test_summary_contains_every_parameter(self):
         self.record(200)
         summary = json.loads(self.review("summary", self.file, "--json").stdout)
         self.assertTrue(summary["success"])
@@ -412,10 +412,10 @@ class SessionFile(support.Case):
         self.assertEqual(len(tables["deformation"]), 1 + sum(len(range(i % 3, 200, 3)) for i in range(0, 300, 12)))
         self.assertEqual(tables["state"], [["time [s]", "hash", "step"], ["0.000000000", f"{0:016x}", "0"],
                                            ["0.999999900", f"{180:016x}", "180"]])
-        # A second export replaces nothing.
+        # A second export overwrites nothing.
         self.assert_refused(support.run("eti-review", "export", self.file, "--out", out), out)
 
-    def test_what_is_no_session_is_refused(self):
+    def test_non_session_files_are_refused(self):
         foreign = self.folder / "foreign.h5"
         with h5py.File(foreign, "w", libver="latest") as file:
             file["numbers"] = [1, 2, 3]

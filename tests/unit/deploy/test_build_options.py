@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every preset can be configured, a build without the client looks for no graphics package, and other versions of tools
-first on the path do no harm, or are named."""
+"""Every preset can be configured, a build without the client needs no graphics package, and other versions of tools
+first on the path do no harm, or are reported."""
 
 import json
 import os
@@ -23,7 +23,7 @@ def run_cmake(folder, preset, *options, **environment):
 
 
 def configure(preset, *options, **environment):
-    """The CMake cache that configuring gives, without the packages of the report's page."""
+    """The CMake cache after configuring, without the packages of the report's page."""
     with tempfile.TemporaryDirectory() as folder:
         done = run_cmake(folder, preset, "-DETI_NPM=OFF", *options, **environment)
         if done.returncode != 0:
@@ -47,7 +47,7 @@ class BuildOptions(unittest.TestCase):
         self.assertRegex(configure("release"), graphics)
         self.assertNotRegex(configure("release", "-DETI_CLIENT=OFF"), graphics)
 
-    def test_old_python_and_node_first_on_the_path_do_no_harm(self):
+    def test_old_python_and_node_on_path_are_skipped(self):
         with tempfile.TemporaryDirectory() as folder:
             for name, says in (("python3", "Python 3.6.9"), ("node", "v12.22.9")):
                 file = Path(folder, name)
@@ -57,7 +57,7 @@ class BuildOptions(unittest.TestCase):
         self.assertIn("ETI_PYTHON:FILEPATH=/usr/bin/python3\n", found)
         self.assertIn("ETI_NODE:FILEPATH=/usr/bin/node\n", found)
 
-    def test_home_that_cannot_be_written_leaves_the_cache_in_build(self):
+    def test_unwritable_home_places_cache_in_build_folder(self):
         with tempfile.TemporaryDirectory() as folder:
             for home, expected in (("/proc/none", "CCACHE_DIR"), (folder, "CCACHE_BASEDIR")):
                 with tempfile.TemporaryDirectory() as build:
@@ -68,7 +68,7 @@ class BuildOptions(unittest.TestCase):
                 self.assertIn(expected, rules[:20000])
                 self.assertEqual("CCACHE_DIR" in rules, expected == "CCACHE_DIR")
 
-    def test_googletest_without_mock_is_named_with_a_remedy(self):
+    def test_missing_googlemock_error_contains_remedy(self):
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as build:
             Path(folder, "GTestConfig.cmake").write_text("set(GTest_FOUND TRUE)\n")
             Path(folder, "GTestConfigVersion.cmake").write_text("set(PACKAGE_VERSION 1.11)\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Labs that deploy/security/make_lab.py makes, read back with openssl; which role may what, against the topics."""
+"""Labs made by deploy/security/make_lab.py, read back with openssl; rights of the roles against the topics."""
 
 import io
 import os
@@ -32,14 +32,15 @@ class Roles(unittest.TestCase):
         written = {topic for written in roles.WRITES.values() for topic in written} | set(roles.EVERYBODY)
         self.assertEqual(written, topics())
 
-    def test_only_the_server_reads_what_others_write(self):
+    def test_only_server_reads_topics_of_other_roles(self):
         self.assertEqual(set(roles.reads("server")), topics())
         for role in set(roles.WRITES) - {"server"}:
-            # Hands see whether a device holds a tool already; poses are best effort, so that no reader holds them up.
+            # Role `hands` reads whether a device already holds a tool; poses are best effort, so that no reader blocks
+            # them.
             more = set(roles.TOOLS) if role == "hands" else set()
             self.assertEqual(set(roles.reads(role)), set(roles.SERVER) | set(roles.EVERYBODY) | more, role)
 
-    def test_a_device_or_hands_move_each_tool_and_observers_give_no_commands(self):
+    def test_each_role_writes_only_its_topics(self):
         def writers(topic):
             return {role for role, written in roles.WRITES.items() if topic in written}
         self.assertEqual(writers("laryngoscope_pose"), {"laryngoscope", "hands"})
@@ -47,7 +48,7 @@ class Roles(unittest.TestCase):
         self.assertEqual(writers("command"), {"trainee", "hands", "instructor"})
         self.assertEqual(writers("session_status"), {"server"})
 
-    def test_page_shows_the_roles(self):
+    def test_security_page_lists_every_role(self):
         page = (ROOT / "docs/security.md").read_text()
         for role, written in roles.WRITES.items():
             row = next((line for line in page.splitlines() if line.startswith(f"| `{role}`")), None)
@@ -92,7 +93,7 @@ class Lab(unittest.TestCase):
         self.assertEqual(os.stat(self.lab / "authority").st_mode & 0o777, 0o700)
         self.assertEqual(os.stat(self.lab / "authority/ca.key").st_mode & 0o777, 0o600)
 
-    def test_roles_are_added_and_what_is_there_stays(self):
+    def test_adding_roles_keeps_existing_identities(self):
         self.make("--role", "server")
         before = {file.name: file.read_bytes() for file in (self.lab / "server").iterdir()}
         authority = (self.lab / "authority/ca.pem").read_bytes()
@@ -110,7 +111,7 @@ class Lab(unittest.TestCase):
         self.assertNotEqual((self.lab / "tube/key.pem").read_bytes(), before)
         self.assertEqual([place.name for place in self.lab.iterdir() if place.name.startswith(".")], [])
 
-    def test_moved_lab_goes_on(self):
+    def test_moved_lab_can_be_extended(self):
         self.make("--role", "server")
         moved = self.lab.with_name("moved")
         self.lab.rename(moved)
@@ -118,7 +119,7 @@ class Lab(unittest.TestCase):
         self.make("--role", "observer")
         self.openssl("verify", "-CAfile", moved / "server/identity_ca.pem", moved / "observer/certificate.pem")
 
-    def test_permissions_hold_session_domain_and_topics(self):
+    def test_permissions_contain_session_domain_and_topics(self):
         self.make("--role", "tube", "--session", "course", "--session", "exam", "--domain", "3-5")
         text = self.document("tube", "permissions.p7s")
         self.assertIn("<subject_name>CN=tube,OU=tube,O=NeoETI lab</subject_name>", text)
@@ -129,20 +130,20 @@ class Lab(unittest.TestCase):
                          ["eti/tube_pose", "eti/echo_question", "eti/echo_answer"])
         self.assertEqual(re.findall("<partition>(.*?)</partition>", publish), ["course/*", "exam/*"])
 
-    def test_governance_lets_nobody_in_without_identity(self):
+    def test_governance_refuses_unauthenticated_participants(self):
         self.make("--role", "server")
         text = self.document("server", "governance.p7s")
         self.assertIn("<allow_unauthenticated_participants>false<", text)
         for kind in ("discovery", "liveliness", "metadata"):
             self.assertIn(f"<{kind}_protection_kind>ENCRYPT<", text)
 
-    def test_dates_are_as_asked(self):
+    def test_certificate_dates_match_request(self):
         self.make("--role", "server", "--from", "2020-01-01", "--days", "30")
         dates = self.openssl("x509", "-in", self.lab / "server/certificate.pem", "-noout", "-dates")
         self.assertIn("notBefore=Jan  1 00:00:00 2020", dates)
         self.assertIn("notAfter=Jan 31 00:00:00 2020", dates)
 
-    def test_mistakes_are_named(self):
+    def test_invalid_options_are_reported(self):
         for options, status, words in (
             (("--role", "doctor"), 1, "there is no role 'doctor'"),
             (("--role", "tube:../x"), 1, "1 to 48 letters"),
@@ -157,12 +158,12 @@ class Lab(unittest.TestCase):
                 self.assertIn(words, self.make(*options, expect=status))
                 self.assertFalse(self.lab.exists())
 
-    def test_permissions_that_fit_no_datagram_are_refused(self):
+    def test_oversized_permissions_are_refused(self):
         sessions = [part for number in range(60) for part in ("--session", f"course-of-the-year-{number}")]
         self.assertIn("fewer --session", self.make("--role", "observer", *sessions, expect=1))
         self.assertFalse((self.lab / "observer").exists())
 
-    def test_half_an_authority_is_not_replaced(self):
+    def test_incomplete_authority_is_not_replaced(self):
         self.make("--role", "server")
         (self.lab / "authority/ca.key").unlink()
         self.assertIn("holds ca.pem alone", self.make("--role", "tube", expect=1))

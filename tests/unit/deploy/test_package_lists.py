@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Whatever a build reads and a script runs comes with the lists of deploy/packages: on a bare system nothing is missing.
+"""Everything that a build reads and a script runs comes from the lists of deploy/packages: nothing is missing on a bare
+system.
 
-A bare system is what debootstrap's variant minbase makes: Debian's required packages, and apt. To them come the
-packages of the lists with what they depend on. Files that belong to no such package are found here, because somebody
-installed them for another reason, and are missing elsewhere. ETI_BUILD names the build folder.
+A bare system is debootstrap's variant minbase: Debian's required packages, and apt, plus the packages of the lists with
+their dependencies. Files that belong to no such package are detected: they exist here because they were installed for
+another reason, and are missing elsewhere. ETI_BUILD names the build folder.
 """
 
 import ast
@@ -22,7 +23,7 @@ BUILD = Path(os.environ.get("ETI_BUILD", ROOT / "build/release"))
 SERVER, PROGRAMS = ("build",), ("build", "client")
 TESTS = (*PROGRAMS, "test", "figures", "lab", "security")
 
-# Which lists a script installs before it runs what is below it; tests have all of test.sh.
+# Lists that a script installs before it runs anything below them; tests have all of test.sh.
 SCRIPTS = {
     "deploy/setup.sh": (), "deploy/progress.sh": (),      # these run before anything is installed
     "deploy/demo.sh": PROGRAMS, "deploy/session_run.py": PROGRAMS, "idl/wire.py": SERVER,
@@ -34,24 +35,24 @@ SCRIPTS = {
     "deploy/package.sh": (*PROGRAMS, "package"), "deploy/try_packages.sh": (*PROGRAMS, "package"),
     "deploy/bare.sh": ("bare",), "deploy/try_bare.sh": ("bare",),
 }
-# What a script runs only where it is there, or through what it has just installed.
+# Programs that a script runs only where they exist, or through what it has just installed.
 OPTIONAL = {
     ("deploy/setup.sh", "cmake"), ("deploy/setup.sh", "npm"), ("deploy/setup.sh", "node"),
     ("deploy/setup.sh", "sudo"),
-    ("deploy/try_bare.sh", "git"),      # files are copied without it where there is no clone
+    ("deploy/try_bare.sh", "git"),      # without a clone, files are copied without it
     ("tests/unit/deploy/test_build_options.py", "node"),    # a name that the test gives to a script of its own
     ("tests/unit/structure/test_contributing.py", "git"),   # history is compared where there is one
 }
 
-# What CMake's modules look for besides, and no build of ours uses: what only static libraries need, X11's extensions.
-# A Node.js of another maker does as well as Debian's.
+# Found by CMake's modules in addition, but used by no build here: dependencies of static libraries, X11's extensions. A
+# Node.js from another source works as well as Debian's.
 FOUND_BESIDES = re.compile(r"X11_(?!X11)|HDF5_DIFF|\w+_STATIC_|pkgcfg_lib_IMGUI|ETI_NODE|ETI_NPM|"
                            r"\w*FONTCONFIG|FREETYPE|Fontconfig")
 
 
 @cache
 def installed():
-    """Of each installed package: whether a bare system has it, what it depends on (alternatives), what it provides."""
+    """For each installed package: whether a bare system has it, its dependencies (alternatives), what it provides."""
     listed = subprocess.run(
         ["dpkg-query", "-W", "-f",
          "${Package}\t${Essential}\t${Priority}\t${db:Status-Status}\t${Pre-Depends}, ${Depends}\t${Provides}\n"],
@@ -71,7 +72,7 @@ def installed():
 
 @cache
 def closure(lists):
-    """Packages of a bare system and of the lists, with what they depend on."""
+    """Packages of a bare system and of the lists, with their dependencies."""
     packages, provided = installed()
     pending = [name for name, (bare, _) in packages.items() if bare]
     for name in lists:
@@ -101,7 +102,7 @@ def owners():
 
 
 def owned_by(path):
-    """Packages that a file belongs to, whatever links lead to it; empty where none does."""
+    """Packages that a file belongs to, by any path of links; empty if none."""
     for one in (path, os.path.realpath(path)):
         for spelt in (one, one.removeprefix("/usr"), "/usr" + one):
             if spelt in owners():
@@ -110,7 +111,7 @@ def owned_by(path):
 
 
 def from_elsewhere(paths, lists):
-    """Of files that are there, those that no package of a bare system with these lists brings."""
+    """Existing files that no package of a bare system with these lists provides."""
     out = []
     for path in sorted(set(paths)):
         packages = owned_by(path)
@@ -132,7 +133,8 @@ def found_by_cmake(cache_file):
 def commands_of_shell(text):
     text = re.sub(r"<<-?\s*'?(\w+)'?.*?\n\1\b", "", text, flags=re.DOTALL)
     text = re.sub(r"(^|\s)#.*", r"\1", text)
-    # Quoted, unless it runs something; by lines, because such a one leaves its second quotation mark behind.
+    # Quoted text, unless it contains a command substitution; by lines, because such a one leaves its second quotation
+    # mark behind.
     text = re.sub(r"'[^'\n]*'" + r'|"(?:[^"\\$\n]|\\.|\$(?!\())*"', "''", text)
     own = set(re.findall(r"^\s*(\w+)\(\)", text, re.MULTILINE)) | {"kill", "echo", "printf", "test", "true", "false"}
     before = r"(?:^|[|;&(!{]|\b(?:then|do|else|if|elif|while|until|exec|sudo|command -v)\s)\s*"
@@ -152,7 +154,7 @@ def commands_of_python(text):
 
 
 def modules_of_python(file):
-    """Modules of others that a script imports, as files."""
+    """Third-party modules that a script imports, as files."""
     local = {path.stem for path in ROOT.rglob("*.py") if "build" not in path.parts}
     for node in ast.walk(ast.parse(file.read_text())):
         names = [one.name for one in node.names] if isinstance(node, ast.Import) else \
@@ -171,17 +173,17 @@ class PackageLists(unittest.TestCase):
         self.assertEqual(missing, [], f"these come with no package of deploy/packages/{{{','.join(lists)}}}.txt; add the "
                                       "package that brings each to one of them")
 
-    def test_what_programs_are_configured_with_is_listed(self):
+    def test_program_configure_dependencies_are_listed(self):
         for lists, options in ((SERVER, ["-DETI_CLIENT=OFF"]), (PROGRAMS, [])):
             with self.subTest(lists=lists), tempfile.TemporaryDirectory() as folder:
                 subprocess.run(["cmake", "--preset", "release", "-S", ROOT, "-B", folder, "-DETI_TESTS=OFF",
                                 "-DETI_NPM=OFF", *options], cwd=ROOT, check=True, capture_output=True)
                 self.assert_none(from_elsewhere(found_by_cmake(Path(folder, "CMakeCache.txt")), lists), lists)
 
-    def test_what_tests_are_configured_with_is_listed(self):
+    def test_test_configure_dependencies_are_listed(self):
         self.assert_none(from_elsewhere(found_by_cmake(BUILD / "CMakeCache.txt"), TESTS), TESTS)
 
-    def test_every_header_that_was_read_is_listed(self):
+    def test_every_included_header_is_listed(self):
         read = {PROGRAMS: set(), TESTS: set()}
         lists = TESTS
         with subprocess.Popen(["ninja", "-C", BUILD, "-t", "deps"], stdout=subprocess.PIPE, text=True) as deps:
@@ -194,7 +196,7 @@ class PackageLists(unittest.TestCase):
         for lists, files in read.items():
             self.assert_none(from_elsewhere(files, lists), lists)
 
-    def test_every_command_of_a_script_is_listed(self):
+    def test_every_script_command_is_listed(self):
         for pattern, lists in SCRIPTS.items():
             missing = []
             for file in sorted(ROOT.glob(pattern)):
@@ -210,7 +212,7 @@ class PackageLists(unittest.TestCase):
             with self.subTest(scripts=pattern):
                 self.assert_none(missing, lists)
 
-    def test_a_file_of_no_package_is_found(self):
+    def test_unpackaged_file_is_detected(self):
         self.assertEqual(from_elsewhere(["/usr/bin/dpkg-query", "/usr/include/zlib.h"], ()),
                          ["/usr/include/zlib.h (zlib1g-dev)"])
         self.assertEqual(from_elsewhere(["/usr/include/zlib.h"], SERVER), [])

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""package.sh, try_packages.sh and try_bare.sh: what they refuse, and with what remedy."""
+"""package.sh, try_packages.sh and try_bare.sh: what they reject, and with what remedy."""
 
 import os
 import shutil
@@ -28,12 +28,12 @@ class PackageScripts(unittest.TestCase):
         return subprocess.run([ROOT / "deploy" / script, *arguments], capture_output=True, text=True,
                               env={**os.environ, "PATH": f"{self.bin}:{os.environ['PATH']}"})
 
-    def test_scripts_explain_themselves_and_refuse_the_unknown(self):
+    def test_scripts_print_help_and_refuse_unknown_options(self):
         for script in ("package.sh", "try_packages.sh", "try_bare.sh"):
             self.assertIn("--no-install", self.run_script(script, "--help").stdout)
             self.assertEqual(self.run_script(script, "--bogus").returncode, 2)
 
-    def test_a_failed_cpack_is_told_and_leaves_no_packages(self):
+    def test_failed_cpack_is_reported_and_leaves_no_packages(self):
         self.program("cpack", "echo 'no such program'; exit 1")
         done = self.run_script("package.sh", "--no-build", "--no-install", "--out", self.folder / "out")
         self.assertEqual(done.returncode, 1)
@@ -41,14 +41,14 @@ class PackageScripts(unittest.TestCase):
         self.assertIn("without --no-build", done.stderr)
         self.assertEqual(list((self.folder / "out").iterdir()), [])
 
-    def test_trying_needs_root(self):
+    def test_trial_install_needs_root(self):
         self.program("id", "echo 1000")
         for script in ("try_packages.sh", "try_bare.sh"):
             done = self.run_script(script, "--no-install")
             self.assertEqual(done.returncode, 1)
             self.assertIn("needs root", done.stderr)
 
-    def test_trying_needs_namespaces_and_a_mirror(self):
+    def test_trial_install_needs_namespaces_and_mirror(self):
         for script in ("try_packages.sh", "try_bare.sh"):
             self.program("id", "echo 0")
             self.program("unshare", "exit 1")
@@ -60,7 +60,7 @@ class PackageScripts(unittest.TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertIn("--mirror", done.stderr)
 
-    def test_trying_on_a_bare_system_says_who_and_what_there_is(self):
+    def test_bare_system_trial_lists_valid_users_and_parts(self):
         for option, value, expected in (("--as", "guest", "root or user"), ("--only", "lab", "demo or test")):
             done = self.run_script("try_bare.sh", option, value)
             self.assertEqual(done.returncode, 1)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""How deploy/session_run.py watches and ends a session's processes, tried with small shell scripts."""
+"""How deploy/session_run.py monitors and ends a session's processes, with small shell scripts."""
 
 import errno
 import os
@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT / "deploy"))
 
 import session_run  # noqa: E402
 
-# What a process does in these tests. Each waits in short sleeps, so that its trap runs at once.
+# Behaviour of a process in these tests. Each waits in short sleeps, so that its trap runs at once.
 UNTIL_ASKED = "trap 'exit 0' INT TERM; while :; do sleep 0.05; done"
 DEAF = "trap '' INT TERM; while :; do sleep 0.05; done"
 SOON_DONE = "sleep 0.5"
@@ -42,7 +42,7 @@ class Watching(unittest.TestCase):
             self.addCleanup(setattr, session_run, name, before)
 
     def session(self, **bodies):
-        """A session in which the named roles run these shell scripts, the others last as long as the server."""
+        """A session in which the named roles run these shell scripts; the others last as long as the server."""
         calibrate = self.folder / "eti-calibrate"
         calibrate.write_text("#!/bin/sh\n")
         calibrate.chmod(0o755)
@@ -58,7 +58,7 @@ class Watching(unittest.TestCase):
     def heard(self, text):
         self.assertTrue(any(text in line for line in self.said), f"'{text}' is not among {self.said}")
 
-    def test_session_that_ends_by_itself(self):
+    def test_session_ends_with_server(self):
         session = self.session(server=SERVER + 'sleep 0.5; rm -f "$SERVER_LIVES"')
         self.assertTrue(session.watch())
         self.assertEqual(session.finish(), [])
@@ -80,26 +80,26 @@ class Watching(unittest.TestCase):
         session.finish()
         self.heard("observer was killed by SIGKILL.")
 
-    def test_keep_going_outlives_a_process(self):
+    def test_keep_going_survives_process_failure(self):
         session = self.session(server=SERVER + 'sleep 1; rm -f "$SERVER_LIVES"', haptics=SOON_FAILED)
         self.assertTrue(session.watch(keep_going=True))
         self.assertIsNone(session.stopping)
         self.assertEqual(session.server.exit_code(), 0)
 
-    def test_process_that_stays_is_asked_to_end(self):
+    def test_remaining_process_is_asked_to_end(self):
         session = self.session(server=SOON_DONE, trainee=UNTIL_ASKED, **OTHERS_DONE)
         self.assertTrue(session.watch())
         self.assertEqual(session.finish(), ["trainee"])
         self.assertEqual(session.programs["trainee"].exit_code(), 0)
         self.heard("trainee did not end by itself")
 
-    def test_deaf_process_is_killed(self):
+    def test_unresponsive_process_is_killed(self):
         session = self.session(server=SOON_DONE, trainee=DEAF, **OTHERS_DONE)
         session.watch()
         session.finish()
         self.assertEqual(session.programs["trainee"].exit_code(), -signal.SIGKILL)
 
-    def test_hung_server_is_noticed(self):
+    def test_hung_server_is_detected(self):
         session = self.session(server=DEAF)
         self.assertFalse(session.watch())
         self.assertIn("no simulation time has passed", session.stopping)
@@ -131,15 +131,15 @@ class Pace(unittest.TestCase):
     SERVER = {"steps": 3600, "step_budget_ms": 1e3 / 180, "behind_s": 5.0, "step_ms": {"p50": 2.0, "p99": 4.5}}
     HAPTICS = {"cycles": 20000, "stale_share": 0.004, "force_n": {"max": 3.14}}
 
-    def test_table_says_how_server_and_hand_kept_up(self):
-        # 3600 steps of 1/180 s are 20 s, for which 25 s of the clock went by.
+    def test_table_reports_pace_of_server_and_haptics(self):
+        # 3600 steps of 1/180 s are 20 s, in 25 s of wall time.
         self.assertEqual(session_run.pace(self.SERVER, self.HAPTICS),
                          ["Forces were whole       99.6 % of the time",
                           "Largest force felt      3.1 N",
                           "The server fell behind  20.0 % of the time (5.0 s in 25.0 s)",
                           "A step took             2.0 ms, one in a hundred more than 4.5 ms, of 5.6 ms"])
 
-    def test_who_said_nothing_is_left_out(self):
+    def test_programs_without_report_are_omitted(self):
         self.assertEqual(session_run.pace({}, {"cycles": 0}), [])
 
 
@@ -165,14 +165,14 @@ class Folders(unittest.TestCase):
             self.addCleanup(setattr, session_run.Path, "write_bytes", written)
             self.assertIn("No space left on device. Remedy: free some space", self.refusal(Path(folder)))
 
-    def test_scarce_disk_is_refused(self):
+    def test_low_disk_space_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             before = session_run.SPACE_NEEDED
             self.addCleanup(setattr, session_run, "SPACE_NEEDED", before)
             session_run.SPACE_NEEDED = 1e18
             self.assertIn("MB left", self.refusal(Path(folder)))
 
-    def test_good_folder_is_left_empty(self):
+    def test_valid_folder_is_left_empty(self):
         with tempfile.TemporaryDirectory() as folder:
             session_run.prepare_folder(Path(folder, "a", "b"))
             self.assertEqual(list(Path(folder, "a", "b").iterdir()), [])

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""deploy/setup.sh against a PATH whose apt-get only notes how it was called."""
+"""deploy/setup.sh with a PATH whose apt-get only records its calls."""
 
 import shutil
 import subprocess
@@ -39,7 +39,7 @@ class Setup(unittest.TestCase):
         file.chmod(0o755)
 
     def apt(self, installed, body="exit 0"):
-        """An apt on which `installed` is installed and whose apt-get, called, does `body`."""
+        """An apt with `installed` as installed packages, and whose apt-get runs `body`."""
         self.program("dpkg-query", "".join(f"echo 'installed {p}'\n" for p in installed))
         self.program("dpkg", "exit 0")
         self.program("sudo", '"$@"')
@@ -56,13 +56,13 @@ class Setup(unittest.TestCase):
         for word in ("epoxy", "egl", "mesa", "glfw", "imgui", "opencv"):
             self.assertNotIn(word, server)
 
-    def test_nothing_missing_asks_apt_nothing(self):
+    def test_complete_installation_does_not_call_apt(self):
         self.apt(self.wanted)
         done = self.run_setup()
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.calls.read_text(), "")
 
-    def test_missing_packages_are_named_and_then_installed(self):
+    def test_missing_packages_are_listed_then_installed(self):
         missing = [self.wanted[0], self.wanted[-1]]
         self.apt([p for p in self.wanted if p not in missing], 'echo "apt-get is running" >&2')
         done = self.run_setup()
@@ -73,7 +73,7 @@ class Setup(unittest.TestCase):
         self.assertIn("update", update)
         self.assertTrue(install.endswith(" ".join(missing)), install)
 
-    def test_without_apt_lists_packages_and_stops(self):
+    def test_without_apt_lists_packages_and_exits(self):
         done = self.run_setup()
         self.assertEqual(done.returncode, 3)
         self.assertIn("no apt", done.stderr)
@@ -86,7 +86,7 @@ class Setup(unittest.TestCase):
         self.assertIn("apt-get update failed", done.stderr)
         self.assertIn("Check the network", done.stderr)
 
-    def test_lists_at_hand_do_where_updating_fails(self):
+    def test_cached_lists_are_used_if_update_fails(self):
         self.apt(self.wanted[1:], '[[ "$*" == *update* ]] && exit 100 || exit 0')
         done = self.run_setup()
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -99,7 +99,7 @@ class Setup(unittest.TestCase):
         self.assertIn("apt-get install failed", done.stderr)
         self.assertNotIn("Check the network", done.stderr)
 
-    def test_without_root_goes_through_sudo(self):
+    def test_uses_sudo_without_root(self):
         self.apt(self.wanted[1:])
         self.program("id", "echo 1000")
         self.program("sudo", f'echo sudo >> {self.calls}; "$@"')
@@ -107,13 +107,13 @@ class Setup(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.calls.read_text().splitlines().count("sudo"), 3)
 
-    def test_what_a_stopped_installation_left_is_finished(self):
+    def test_interrupted_installation_is_completed(self):
         self.apt(self.wanted[1:])
         self.program("dpkg", f'echo "dpkg $*" >> {self.calls}')
         self.assertEqual(self.run_setup().returncode, 0)
         self.assertEqual([line.split()[0] for line in self.calls.read_text().splitlines()], ["-q", "dpkg", "-q"])
 
-    def test_npm_of_an_old_node_does_not_do(self):
+    def test_npm_of_old_node_is_refused(self):
         without_npm = [p for p in self.wanted if p != "npm"]
         for version, asked in (("v12.22.9", True), ("v18.19.0", False), ("", True)):
             with self.subTest(node=version):
@@ -124,7 +124,7 @@ class Setup(unittest.TestCase):
                 self.run_setup()
                 self.assertEqual("npm" in self.calls.read_text().split(), asked)
 
-    def test_progress_counts_what_is_fetched_unpacked_and_set_up(self):
+    def test_progress_counts_downloads_unpacking_and_setup(self):
         self.apt(self.wanted[1:], """[[ "$*" == *install* ]] || exit 0
 echo '0 upgraded, 2 newly installed, 0 to remove and 3 not upgraded.'
 echo 'Need to get 5,000 kB of archives.'
@@ -136,7 +136,7 @@ for step in Unpacking 'Setting up'; do for package in a b; do echo "$step $packa
         self.assertNotIn("Unpacking a", done.stderr)
         self.assertIn("Unpacking a", (self.root / "build/logs/apt-install.log").read_text())
 
-    def test_without_root_and_sudo_says_what_to_run(self):
+    def test_without_root_and_sudo_prints_command(self):
         self.apt(self.wanted[1:])
         self.program("id", "echo 1000")
         (self.bin / "sudo").unlink()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""What deploy/test.sh counts and how it ends, on a small project without compiled code."""
+"""Counts and exit status of deploy/test.sh, on a small project without compiled code."""
 
 import os
 import shutil
@@ -54,13 +54,13 @@ class TestScript(unittest.TestCase):
         self.assert_ends_with(done, "2 passed, 0 failed", 0)
         self.assertFalse((self.root / "build/fuzz").exists())
 
-    def test_sanitize_short_runs_the_fuzz_targets_alone(self):
+    def test_sanitize_short_runs_only_fuzz_targets(self):
         cases = 'case(a unit "exit 1")\ncase(b fuzz "true")\ncase(c fuzz "exit 1")\n'
         done = self.run_tests(cases, "--short", script="sanitize.sh")
         self.assert_ends_with(done, "1 passed, 1 failed", 1)
         self.assertIn("Failed: c", done.stderr)
 
-    def test_sanitize_runs_unit_tests_and_a_session_of_both_builds(self):
+    def test_sanitize_runs_unit_tests_and_session_per_build(self):
         # The session's program is missing here, which is a failure of its own.
         done = self.run_tests('case(a unit "true")\ncase(b system "exit 1")\n', "--only", "asan", "--only", "tsan",
                               script="sanitize.sh")
@@ -68,7 +68,7 @@ class TestScript(unittest.TestCase):
         for preset in ("asan", "tsan"):
             self.assertIn(f"Failed: a session by build/{preset}", done.stderr)
 
-    def test_sanitize_refuses_what_it_does_not_know(self):
+    def test_sanitize_refuses_unknown_options(self):
         for options, said in ((("--only", "msan"), "fuzz asan tsan"), (("--runs", "1e7"), "whole number"),
                               (("--reader", "../x/none"), "--reader"), (("--out",), "--help"), (("--all",), "Usage")):
             with self.subTest(options=options):
@@ -80,7 +80,7 @@ class TestScript(unittest.TestCase):
         done = self.run_tests('case(a unit "true")\ncase(b scripts "true")\ncase(c system "exit 1")\n', "--quick")
         self.assert_ends_with(done, "2 passed, 0 failed", 0)
 
-    def test_long_tests_run_only_where_all_is_wanted(self):
+    def test_long_tests_run_only_with_whole_option(self):
         cases = 'case(a unit "true")\ncase(b "unit;long" "exit 1")\ncase(c "system;long" "true")\n'
         self.assert_ends_with(self.run_tests(cases), "1 passed, 0 failed", 0)
         self.assert_ends_with(self.run_tests(cases, "--quick"), "1 passed, 0 failed", 0)
@@ -91,7 +91,7 @@ class TestScript(unittest.TestCase):
         self.assert_ends_with(done, "1 passed, 1 failed", 1)
         self.assertIn("Failed: broken", done.stderr)
 
-    def test_tests_of_whole_programs_have_a_second_try_and_it_is_said(self):
+    def test_program_tests_are_retried_once_and_reported(self):
         disturbed = f"test -e {self.root}/tried || ! touch {self.root}/tried"
         done = self.run_tests(f'case(a unit "true")\ncase(b.c+ bench "{disturbed}")\ncase(d system "exit 1")\n')
         self.assert_ends_with(done, "2 passed, 1 failed", 1)
@@ -102,7 +102,7 @@ class TestScript(unittest.TestCase):
         done = self.run_tests(f'case(a unit "test -e {self.root}/tried || ! touch {self.root}/tried")\n')
         self.assert_ends_with(done, "0 passed, 1 failed", 1)
 
-    def test_many_failures_are_no_disturbance(self):
+    def test_many_failures_are_not_retried(self):
         done = self.run_tests("".join(f'case({name} bench "echo {name} >> {self.root}/tries; exit 1")\n'
                                       for name in "abcd"))
         self.assert_ends_with(done, "0 passed, 4 failed", 1)
@@ -131,16 +131,16 @@ class TestScript(unittest.TestCase):
                               "set_tests_properties(lost PROPERTIES LABELS unit)\n", "--quick")
         self.assert_ends_with(done, "0 passed, 1 failed", 1)
 
-    def test_tests_whose_fixture_failed_are_failures(self):
+    def test_tests_with_failed_fixture_are_failures(self):
         done = self.run_tests('case(first unit "exit 1")\ncase(second unit "true")\n'
                               "set_tests_properties(first PROPERTIES FIXTURES_SETUP f)\n"
                               "set_tests_properties(second PROPERTIES FIXTURES_REQUIRED f)\n", "--quick")
         self.assert_ends_with(done, "0 passed, 2 failed", 1)
 
-    def test_no_tests_at_all_fail(self):
+    def test_empty_test_run_fails(self):
         self.assertEqual(self.run_tests("", "--quick").returncode, 1)
 
-    def test_known_failures_run_and_are_named_in_the_last_line(self):
+    def test_known_failures_run_and_are_listed_in_last_line(self):
         (self.root / "tests").mkdir()
         (self.root / "tests/known_failures.txt").write_text("# comment\nbad  # a library\ngood  # a library\n")
         done = self.run_tests(f'case(good unit "touch {self.root}/ran")\ncase(bad unit "exit 1")\ncase(c unit "true")\n')
@@ -148,7 +148,7 @@ class TestScript(unittest.TestCase):
         self.assertIn("Known to fail: bad: a library", done.stderr)
         self.assertTrue((self.root / "ran").exists())
 
-    def test_progress_is_told_and_the_rest_is_in_a_log(self):
+    def test_progress_is_printed_and_output_logged(self):
         done = self.run_tests('add_custom_target(work ALL COMMAND echo compiling)\n'
                               'case(a unit "echo said; exit 1")\ncase(b unit "true")\n', "--quick")
         self.assertRegex(done.stderr, r"Building build/release: 1 of 1, \d+ s so far")
@@ -158,13 +158,13 @@ class TestScript(unittest.TestCase):
         self.assertIn("Test #2: b", (self.root / "build/logs/test-release.log").read_text())
         self.assertNotIn("Test #2: b", done.stderr)
 
-    def test_a_build_without_tests_gets_them(self):
+    def test_build_without_tests_is_reconfigured(self):
         cases = 'option(ETI_TESTS "" ON)\nif(ETI_TESTS)\ncase(a unit "true")\nendif()\n'
         (self.root / "CMakeLists.txt").write_text(PROJECT + cases)
         subprocess.run(["cmake", "--preset", "release", "-DETI_TESTS=OFF"], cwd=self.root, check=True, capture_output=True)
         self.assert_ends_with(self.run_tests(cases, "--quick"), "1 passed, 0 failed", 0)
 
-    def test_ctrl_c_ends_it_and_the_same_command_goes_on(self):
+    def test_ctrl_c_stops_and_rerun_resumes(self):
         cases = (f'add_custom_target(slow ALL COMMAND sh -c "test -e {self.root}/second || {{ touch {self.root}/begun; sleep 60; }}"'
                  ' VERBATIM)\ncase(a unit "true")\n')
         (self.root / "CMakeLists.txt").write_text(PROJECT + cases)
@@ -185,7 +185,7 @@ class TestScript(unittest.TestCase):
         self.assert_ends_with(done, "0 passed, 1 failed", 1)
         self.assertIn("Building release failed", done.stderr)
 
-    def test_failed_configuring_is_a_failure(self):
+    def test_failed_configuration_is_a_failure(self):
         done = self.run_tests("message(FATAL_ERROR impossible)\n", "--quick")
         self.assert_ends_with(done, "0 passed, 1 failed", 1)
         self.assertIn("impossible", done.stderr)

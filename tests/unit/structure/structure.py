@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Rules for the source tree: who may include whom, and what every file looks like.
+"""Rules for the source tree: permitted includes, and the form of every file.
 
-Usage: structure.py [ROOT]. Prints one line per violation, FILE:LINE: what, and what to do.
+Usage: structure.py [ROOT]. Prints one line per violation, FILE:LINE: finding and remedy.
 """
 
 import os
@@ -14,30 +14,34 @@ HERE = Path(__file__).resolve().parent
 TOP = ("common", "server", "devices", "client", "deploy", "idl")
 NOT_SOURCE = {"build", "out", ".git", "__pycache__"}
 
-# Folders that the files of a folder may include, besides their own. The longest matching folder
-# decides. Inside the server, only app knows the bus; pbd and rigid do not know each other.
+# Folders that the files of a folder may include, besides their own. The longest matching folder decides. Inside the
+# server, only app knows the bus; pbd and rigid are independent.
 WITHOUT_BUS = tuple(f"common/{room}" for room in
                     ("device", "hdf5", "math", "mesh", "model", "operator", "process", "scenario", "session"))
 MAY_INCLUDE = {
     "idl": (),
     "common": ("idl",),
     "server/parallel": (),
+    "server/patient/mesh": WITHOUT_BUS + ("server/parallel",),
     "server/patient/model": WITHOUT_BUS + ("server/parallel",),
-    "server/patient/newborn": WITHOUT_BUS + ("server/parallel", "server/patient/model"),
-    "server/patient/imaging": WITHOUT_BUS + ("server/parallel",),
-    "server/patient/segmentation": WITHOUT_BUS + ("server/parallel", "server/patient/model", "server/patient/newborn",
+    "server/patient/newborn": WITHOUT_BUS + ("server/parallel", "server/patient/mesh", "server/patient/model"),
+    "server/patient/imaging": WITHOUT_BUS + ("server/parallel", "server/patient/mesh"),
+    "server/patient/segmentation": WITHOUT_BUS + ("server/parallel", "server/patient/mesh", "server/patient/model", "server/patient/newborn",
                                                   "server/patient/imaging"),
     "server/patient/tool": WITHOUT_BUS + ("server/parallel", "server/patient"),
     "server/pbd": WITHOUT_BUS + ("server/parallel",),
     "server/rigid": WITHOUT_BUS,
     "server/scene": WITHOUT_BUS + ("server/parallel", "server/patient/model", "server/pbd", "server/rigid"),
-    "server/metrics": WITHOUT_BUS + ("server/patient/model", "server/scene"),
+    "server/physiology": (),
+    "server/metrics": WITHOUT_BUS + ("server/patient/model", "server/scene", "server/physiology"),
     # A running server needs a patient's model, and the generator behind the cache: none of the offline rooms.
     "server/app": ("common", "idl", "server/parallel", "server/patient/model", "server/patient/newborn", "server/pbd",
-                   "server/rigid", "server/scene", "server/metrics"),
+                   "server/rigid", "server/scene", "server/physiology", "server/metrics"),
     "devices": ("common", "idl"),
     "client": ("common", "idl"),
     "deploy": ("common/process",),
+    "deploy/doctor": ("common", "idl"),
+    "deploy/discovery": ("common", "idl"),
     "tests/unit/common": ("common", "idl", "tests"),
     "tests/unit/server": ("common", "idl", "server", "tests"),
     "tests/unit/devices": ("common", "idl", "devices", "tests"),
@@ -45,7 +49,7 @@ MAY_INCLUDE = {
     "tests": TOP,
 }
 
-# Libraries that stay behind one folder's interface, or one file's.
+# Libraries confined to one folder's interface, or to one file.
 LIBRARIES = (
     (re.compile(r"fast(dds|rtps|cdr)/"), ("common/bus", "idl"), "Fast DDS"),
     (re.compile(r"openssl/|tinyxml2\.h$"), ("common/bus",), "OpenSSL"),
@@ -56,12 +60,12 @@ LIBRARIES = (
     (re.compile(r"AL/"), ("client/sound",), "OpenAL"),
     (re.compile(r"opencv2/"), ("client",), "OpenCV"),
     (re.compile(r"gdcm\w*\.h$"), ("server/patient/imaging",), "GDCM"),
-    # How many threads it may use is app's to say.
+    # app decides the number of threads.
     (re.compile(r"tbb/(?!global_control)"), ("server/parallel",), "oneTBB"),
     (re.compile(r"boost/"), ("client/review",), "Boost"),
     (re.compile(r"nlopt"), ("client/review",), "NLopt"),
     (re.compile(r"hdf5(_hl)?\.h$|H5\w+\.h$"), ("common/hdf5", "common/session"), "HDF5"),
-    # All of its code stands in its headers: about ten seconds of compile time for each file that includes them.
+    # Header-only: about ten seconds of compile time for each file that includes it.
     (re.compile(r"CLI/"), ("common/process/command_line.cpp",), "CLI11"),
 )
 
@@ -86,12 +90,12 @@ def inside(path, folder):
 
 
 def owner_of(path):
-    """The key of MAY_INCLUDE that a file falls under."""
+    """The key of MAY_INCLUDE that applies to a file."""
     return max((f for f in MAY_INCLUDE if inside(path, f)), key=len, default=None)
 
 
 def include_violation(path, line):
-    """What is wrong with a line's #include in the file `path`, or None."""
+    """Violation by a line's #include in the file `path`, or None."""
     match = INCLUDE.match(line)
     if not match:
         return None
@@ -168,7 +172,7 @@ def told_to_run(line):
 
 
 def check_documents(root):
-    """Scripts that the documentation tells to run and nobody can, one string each."""
+    """Scripts that the documentation names but that cannot be run, one string each."""
     for document in sorted([*Path(root).glob("*.md"), *Path(root).glob("docs/**/*.md")]):
         for number, line in enumerate(document.read_text().splitlines(), 1):
             for script in told_to_run(line):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Every test that docs/features.md names as a proof exists."""
+"""Every test that docs/features.md names as evidence exists."""
 
 import re
 import unittest

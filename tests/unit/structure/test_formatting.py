@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""C++ sources are laid out as the repository's .clang-format says, and shell scripts parse."""
+"""C++ sources are formatted by the repository's .clang-format, and shell scripts parse."""
 
 import subprocess
 import tempfile
@@ -13,7 +13,7 @@ ROOT = structure.HERE.parents[2]
 
 
 def badly_formatted(files):
-    """Of these C++ files, what clang-format would change: its own messages, one line each."""
+    """clang-format's findings in these C++ files: its own messages, one line each."""
     done = subprocess.run(["clang-format", "--dry-run", f"--style=file:{ROOT}/.clang-format", *map(str, files)],
                           capture_output=True, text=True, check=True)
     return [line for line in done.stderr.splitlines() if "[-Wclang-format-violations]" in line]
@@ -27,7 +27,7 @@ class Formatting(unittest.TestCase):
         names = sorted({line.split(":")[0] for line in found})
         self.assertEqual(found, [], f"\nRemedy: clang-format -i {' '.join(names)}")
 
-    def test_bad_layout_is_noticed(self):
+    def test_bad_formatting_is_detected(self):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder, "a.cpp")
             file.write_text("int  f( ){return 1 ;}\n")

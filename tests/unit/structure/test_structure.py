@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""The tree keeps the rules, and the checker notices each way of breaking them."""
+"""The tree follows the rules, and the checker detects each violation."""
 
 import tempfile
 import unittest
@@ -13,7 +13,7 @@ WORD = structure.forbidden_words()[0]
 
 
 def violations(files):
-    """What the checker says of a tree made of {path: text}."""
+    """The checker's output for a tree made of {path: text}."""
     with tempfile.TemporaryDirectory() as folder:
         for path, text in files.items():
             file = Path(folder, path)
@@ -23,16 +23,16 @@ def violations(files):
 
 
 def including(path, target):
-    """A tree of one source that includes `target`, which stands in quotes or angle brackets."""
+    """A tree of one source that includes `target`, in quotes or angle brackets."""
     return {path: f"{HEADER}#include {target}\n"}
 
 
 class ThisTree(unittest.TestCase):
-    def test_this_tree_keeps_the_rules(self):
+    def test_source_tree_follows_the_rules(self):
         found = structure.check(structure.HERE.parents[2])
         self.assertEqual(found, [], "\n" + "\n".join(found))
 
-    def test_this_tree_is_really_read(self):
+    def test_source_tree_is_actually_read(self):
         read = {p.as_posix() for p in structure.source_files(structure.HERE.parents[2])}
         self.assertLessEqual({"idl/eti.idl", "common/bus/bus.hpp", "cmake/targets.cmake", "deploy/setup.sh"}, read)
 
@@ -45,7 +45,7 @@ class Includes(unittest.TestCase):
             ("common/bus/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
             ("server/scene/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/app/a.cpp", '"common/bus/bus.hpp"'),
-            ("server/app/a.cpp", '"server/patient/newborn/build.hpp"'),
+            ("server/app/a.cpp", '"server/patient/newborn/build/build.hpp"'),
             ("server/patient/tool/a.cpp", '"server/patient/imaging/read.hpp"'),
             ("server/rigid/a.cpp", "<btBulletDynamicsCommon.h>"),
             ("client/render/a.cpp", "<epoxy/gl.h>"),
@@ -59,15 +59,15 @@ class Includes(unittest.TestCase):
             with self.subTest(path=path, target=target):
                 self.assertEqual(violations(including(path, target)), [])
 
-    def test_forbidden_includes_are_found(self):
+    def test_forbidden_includes_are_detected(self):
         for path, target in (
             ("common/math/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/pbd/a.cpp", '"server/rigid/world.hpp"'),
             ("server/rigid/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/pbd/a.cpp", '"common/bus/bus.hpp"'),
-            ("server/scene/a.cpp", '"server/patient/newborn/build.hpp"'),
+            ("server/scene/a.cpp", '"server/patient/newborn/build/build.hpp"'),
             ("server/app/a.cpp", '"server/patient/imaging/read.hpp"'),
-            ("server/patient/model/a.cpp", '"server/patient/newborn/build.hpp"'),
+            ("server/patient/model/a.cpp", '"server/patient/newborn/build/build.hpp"'),
             ("server/scene/a.cpp", '"idl/eti.h"'),
             ("server/metrics/a.cpp", '"common/bus/topics.hpp"'),
             ("server/app/a.cpp", '"client/view/view.hpp"'),
@@ -92,13 +92,13 @@ class Includes(unittest.TestCase):
                 self.assertEqual(len(found), 1, found)
                 self.assertTrue(found[0].startswith(f"{path}:3: "), found)
 
-    def test_rooms_that_include_each_other_are_found(self):
+    def test_circular_folder_includes_are_detected(self):
         found = violations(including("common/mesh/a.cpp", '"common/model/b.hpp"')
                            | including("common/model/b.cpp", '"common/mesh/a.hpp"'))
         self.assertEqual(len(found), 1, found)
         self.assertIn("circle", found[0])
 
-    def test_rooms_of_the_patient_that_include_each_other_are_found(self):
+    def test_circular_patient_folder_includes_are_detected(self):
         found = violations(including("server/patient/tool/a.cpp", '"server/patient/segmentation/b.hpp"')
                            | including("server/patient/segmentation/b.cpp", '"server/patient/tool/a.hpp"'))
         self.assertIn("circle", " ".join(found))
@@ -110,7 +110,7 @@ class Files(unittest.TestCase):
         self.assertEqual(len(found), 1, found)
         self.assertIn(expected, found[0])
 
-    def test_a_clean_tree_has_no_violations(self):
+    def test_clean_tree_has_no_violations(self):
         self.assertEqual(violations({
             "common/math/a.hpp": HEADER + "#pragma once\n",
             "deploy/run.sh": "#!/bin/sh\n" + HEADER.replace("//", "#"),
@@ -119,34 +119,34 @@ class Files(unittest.TestCase):
             "notes.md": WORD + "\n",
         }), [])
 
-    def test_missing_header_is_found(self):
+    def test_missing_licence_header_is_detected(self):
         for path in ("a.cpp", "a.py", "a.sh", "a.idl", "a.cmake", "CMakeLists.txt"):
             with self.subTest(path=path):
                 self.only({f"common/math/{path}": "\n"}, "SPDX")
 
-    def test_missing_pragma_once_is_found(self):
+    def test_missing_pragma_once_is_detected(self):
         self.only({"common/math/a.hpp": HEADER}, "#pragma once")
 
-    def test_every_forbidden_word_is_found_in_any_case(self):
+    def test_forbidden_words_are_detected_in_any_case(self):
         for word in structure.forbidden_words():
             for written in (word, word.upper(), word.capitalize()):
                 with self.subTest(word=written):
                     self.only({"common/math/a.cpp": f"{HEADER}// {written}: later\n"}, ":3: says")
 
-    def test_words_that_only_contain_a_forbidden_word_pass(self):
+    def test_words_containing_a_forbidden_word_pass(self):
         self.assertEqual(violations({"common/math/a.cpp": f"{HEADER}int un{WORD}ne;\n"}), [])
 
-    def test_a_documented_command_that_cannot_be_run_is_found(self):
+    def test_non_executable_documented_command_is_detected(self):
         script = {"tests/sweep.py": HEADER.replace("//", "#")}
         for line in ("tests/sweep.py --count 3", "ETI_BIN=bin tests/sweep.py", "as `tests/sweep.py` does"):
             with self.subTest(line=line):
                 self.only({**script, "docs/a.md": line + "\n"}, "docs/a.md:1: tests/sweep.py cannot be run")
         self.assertEqual(violations({**script, "docs/a.md": "python3 tests/sweep.py\n"}), [])
 
-    def test_a_switched_off_test_is_found(self):
+    def test_disabled_test_is_detected(self):
         self.only({"tests/unit/a.cpp": HEADER + "TEST(Solver, DISABLED" + "_converges) {}\n"}, "switches a test off")
 
-    def test_a_long_file_must_say_why(self):
+    def test_long_file_must_state_its_reason(self):
         filling = "\n" * structure.LONG_FILE
         self.only({"common/math/a.cpp": HEADER + filling}, "split it")
         reason = "// Over 600 lines: one table of the wire's values.\n"

@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Builds newborns of random shape, checks each model and, if asked, lets the scripted expert intubate it.
+"""Builds newborns of random shape, checks each model and, if requested, lets the scripted expert intubate it.
 
 Usage: [ETI_BIN=FOLDER] sweep.py [--count N] [--seed N] [--spacing-mm MM] [--intubate] [--jobs N] [--out FILE.csv]
        [--shard I/N | --merge FILE.csv...]
 
-Shapes are drawn evenly from the ranges of common/model/newborn_shape.cpp, every fourth with one of the named
-variants; the age follows the weight. --grid takes usual newborns of every weight and age that go together instead.
-ETI_BIN is the folder with the programs (default: build/release/bin).
-Prints one line per newborn and a JSON summary. Rows that the CSV file already holds are not computed again, so an
-interrupted sweep goes on where it was. With --shard I/N (0/4 to 3/4) only every N-th newborn is examined. --merge, with
-the same options, puts the files of all shards together as one process would have written them, and sums up.
+Shapes are sampled uniformly from the ranges of common/model/newborn_shape.cpp, every fourth with one of the named
+variants; the age follows the weight. --grid uses usual newborns of every matching weight and age instead. ETI_BIN is
+the folder with the programs (default: build/release/bin). Prints one line per newborn and a JSON summary. Rows already
+in the CSV file are not computed again, so an interrupted sweep resumes. With --shard I/N (0/4 to 3/4) only every N-th
+newborn is examined. --merge, with the same options, combines the files of all shards as one process would have written
+them, and summarises.
 
-Whoever sees enough of the glottis and does not get the tube in may try again, up to three times, each with another
-tremor. Who is not intubated needs a reason. It is anatomical when an experiment says so: the same newborn is
-intubated once its most difficult features, taken one after the other by how far they are from usual, are usual; a
-feature less than a tenth of the way to the difficult end of its range is no reason. It is also when a usual newborn of
-that weight is not intubated either, and the tube is thicker than the windpipe is wide. Whoever is left without a reason
-on coarse particles is examined anew on those of the scenarios. Anything else is a fault, as is a model that does not
-hold what eti-anatomy check tests; the sweep fails with a fault.
+An expert that sees enough of the glottis but does not get the tube in may try again, up to three times, each with
+another tremor. Failure to intubate needs a reason. It is anatomical when an experiment shows it: the same newborn is
+intubated once its most difficult features are made usual, one after the other by their distance from usual. A feature
+less than a tenth of the way to the difficult end of its range is no reason. It is also anatomical when a usual newborn
+of that weight is not intubated either, and the tube is thicker than the trachea is wide. A failure without a reason on
+coarse particles is examined again on those of the scenarios. Anything else is a fault, as is a model that fails
+eti-anatomy check; the sweep fails with a fault.
 """
 
 import argparse
@@ -40,19 +40,19 @@ BIN = Path(os.environ.get("ETI_BIN", ROOT / "build/release/bin"))
 RANGES = {"weight_kg": (0.5, 4.5), "tongue_scale": (0.8, 1.4), "mandible_scale": (0.7, 1.15),
           "mouth_scale": (0.7, 1.2), "head_scale": (0.85, 1.15), "larynx_anterior_mm": (0, 3),
           "larynx_superior_mm": (0, 3)}
-# What the named variants are made of; see apply() in common/model/newborn_shape.cpp.
+# Composition of the named variants; see apply() in common/model/newborn_shape.cpp.
 VARIANTS = {"micrognathia": {"mandible_scale": 0.8}, "macroglossia": {"tongue_scale": 1.25},
             "anterior-larynx": {"larynx_anterior_mm": 2.5, "larynx_superior_mm": 2.0}}
 # Name: the usual value and the difficult end of the range.
 DIFFICULT = {"tongue_scale": (1, 1.4), "mandible_scale": (1, 0.7), "mouth_scale": (1, 0.7),
              "larynx_anterior_mm": (0, 3), "larynx_superior_mm": (0, 3)}
 SHIPPED_SPACING_MM = 2.0  # of the scenarios' particles
-# Share of the way to the difficult end; less is as good as usual, and no reason.
+# Share of the range to the difficult end; less counts as usual, and is no reason.
 NOTABLE = 0.1
-# [%], the view at which the shipped expert takes the tube (deploy/operators/expert.yaml).
+# [%], the view at which the shipped expert inserts the tube (deploy/data/operators/expert.yaml).
 WANTED_VIEW = 25
 ATTEMPTS = 3
-# By inner diameter; see outer_diameter_of() in common/model/tools.cpp.
+# By inner diameter; see outer_diameter_of() in common/model/tools/tools.cpp.
 OUTER_DIAMETER_MM = {2.0: 3.0, 2.5: 3.6, 3.0: 4.2}
 GRID_WEIGHTS = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5)
 GRID_AGES = (22, 25, 28, 31, 34, 37, 40, 42)
@@ -92,7 +92,7 @@ def tube_for(weight):
 def scenario_for(weight, spacing, model, folder):
     """Head and mouth as in the shipped scenarios, blade and tube for the weight."""
     small = weight < 2
-    # The smallest particles do not bear the usual 8 substeps; spacings are those of a newborn of 3.5 kg.
+    # The smallest particles are unstable with the usual 8 substeps; spacings are those of a newborn of 3.5 kg.
     substeps = 8 if spacing * (weight / 3.5) ** (1 / 3) > 1.1 else 12
     tube = tube_for(weight)
     file = folder / "scenario.yaml"
@@ -106,7 +106,7 @@ physics: {{substeps: {substeps}}}
 
 
 def build(shape, spacing, model):
-    """Why there is no model, or the number of its particles."""
+    """Returns why there is no model, or the number of its particles."""
     options = [f"--{name.replace('_', '-')}={value}" for name, value in shape.items()]
     code, built, said = run("eti-anatomy", "build", *options, f"--spacing-mm={spacing}",
                             f"--fine-spacing-mm={spacing / 2}", f"--surface-mm={min(max(1, spacing - 1), 1.5)}",
@@ -128,7 +128,7 @@ def attempt(weight, spacing, model, folder, seed):
 
 
 def intubate(weight, spacing, model, folder):
-    """The attempt that succeeded, or the last."""
+    """Returns the attempt that succeeded, or the last."""
     result = {}
     for number in range(1, ATTEMPTS + 1):
         result = {**attempt(weight, spacing, model, folder, number), "attempts": number}
@@ -138,8 +138,8 @@ def intubate(weight, spacing, model, folder):
 
 
 def too_thick(weight, spacing, dimensions, folder):
-    """Said where the tube is wider than the airway that it has to pass, and a usual newborn of that weight is not
-    intubated either: mucosa gives way, so that a tube somewhat too wide passes."""
+    """The reason if the tube is wider than the airway that it must pass, and a usual newborn of that weight is not
+    intubated either: mucosa yields, so that a tube somewhat too wide passes."""
     outer = OUTER_DIAMETER_MM[tube_for(weight)]
     narrowest = min((d for d in dimensions if d["name"] in ("subglottis, diameter", "trachea, diameter")),
                     key=lambda d: d["value"])
@@ -153,7 +153,7 @@ def too_thick(weight, spacing, dimensions, folder):
 
 
 def why_not(shape, spacing, folder):
-    """The features that, made usual, let the newborn be intubated; None where there is no such anatomical reason."""
+    """The features that, once usual, let the newborn be intubated; None if there is no such anatomical reason."""
     own = {**{k: v for k, v in shape.items() if k != "variant"}, **VARIANTS.get(shape.get("variant"), {})}
     far = {name: (own[name] - usual) / (worst - usual)
            for name, (usual, worst) in DIFFICULT.items()
@@ -183,7 +183,7 @@ def examine_on(spacing, shape, to_intubate, folder):
     model = folder / "model.h5"
     fault, particles = build(shape, spacing, model)
     if fault:
-        refused = "at gestational_age_weeks" in fault  # the age does not go with the weight
+        refused = "at gestational_age_weeks" in fault  # age and weight do not match
         return {"sound": False, "because": (NO_SUCH if refused else FAULT + "not built: ") + fault}
     code, checked, said = run("eti-anatomy", "check", model, "--json")
     faults = [said] if checked is None else [f"{i['name']}: {i['found']}" for i in checked["invariants"]
@@ -236,7 +236,7 @@ def shard(text):
 
 
 def merge(files, shapes, out):
-    """Rows of all shards, in order and written to `out`; ends the program where some are missing or there twice."""
+    """Rows of all shards, in order and written to `out`; ends the program if some are missing or duplicated."""
     rows = {}
     for file in files:
         for number, row in rows_of(file).items():

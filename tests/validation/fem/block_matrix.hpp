@@ -9,8 +9,8 @@
 
 namespace eti::fem {
 
-/// A symmetric sparse matrix of 3 x 3 blocks, one per pair of joined vertices, whose places are found once.
-/// Of vertices that are held along all axes it knows nothing.
+/// A symmetric sparse matrix of 3 x 3 blocks, one per pair of joined vertices; the sparsity pattern is
+/// computed once. Vertices held along all axes are left out.
 class BlockMatrix {
   public:
     BlockMatrix() = default;
@@ -19,11 +19,11 @@ class BlockMatrix {
                 std::vector<bool> held);
 
     void set_zero() { matrix_.coeffs().setZero(); }
-    /// Adds to the block of rows of `a` and columns of `b`, which have to be joined.
+    /// Adds to the block in the rows of `a` and the columns of `b`, which must be joined.
     void add(std::uint32_t a, std::uint32_t b, const Eigen::Matrix3d& block);
-    /// Rows and columns of what is held become those of the unit matrix.
+    /// Replaces rows and columns of held coordinates by those of the identity.
     void hold();
-    /// Whether it is positive definite; if so, solve() may be called.
+    /// Returns whether the matrix is positive definite; if so, solve() may be called.
     [[nodiscard]] bool factorise();
     [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const { return factor_.solve(right); }
     [[nodiscard]] const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
@@ -32,7 +32,7 @@ class BlockMatrix {
     [[nodiscard]] bool all_held(std::uint32_t vertex) const;
 
     std::vector<bool> held_;
-    std::vector<std::uint32_t> first_, joined_;  // by vertex: those it is joined to, in order
+    std::vector<std::uint32_t> first_, joined_;  // by vertex: its neighbours, in order
     Eigen::SparseMatrix<double> matrix_;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
     bool analysed_ = false;

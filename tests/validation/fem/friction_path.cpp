@@ -16,8 +16,8 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::VectorXd;
 
-constexpr double within_reach = 5e-3;      // [m], farther than anything moves in an increment
-constexpr int path_iteration_limit = 200;  // in one round
+constexpr double within_reach = 5e-3;      // [m], more than anything moves in an increment
+constexpr int path_iteration_limit = 200;  // per round
 constexpr double far_off = 0.3;            // residual
 constexpr double first_bound = 1e-2;       // of the residual, in the first round
 
@@ -268,7 +268,7 @@ bool FrictionPath::minimise(Increment& out, double bound) {
             matrix_.hold();
             return matrix_.factorise();
         };
-        // Far off the exact one is seldom definite, and of little use.
+        // Far from the solution the exact Hessian is seldom definite, and of little use.
         if ((out.residual > far_off || !factorised(false)) && !factorised(true)) {
             return false;
         }
@@ -278,7 +278,7 @@ bool FrictionPath::minimise(Increment& out, double bound) {
         double length = 1.0;
         for (; length > 1e-10; length *= 0.5) {
             const VectorXd tried = x_ + length * step;
-            // Armijo's rule, up to the rounding of the energy, below which the residual decides.
+            // Armijo's rule, down to the rounding of the energy; below that the residual decides.
             if (energy(tried) <= energy_here + 1e-4 * length * slope + 1e-13 * std::fabs(energy_here)) {
                 x_ = tried;
                 break;
@@ -343,7 +343,7 @@ void FrictionPath::update(Increment& out) {
         const Solid::Sample gap = gap_of(c, x_);
         const double p = pressed(c, gap.distance);
         if (p > 0.0 && !is_spring(c)) {
-            // What is pressed but apart is as wrong as what penetrates.
+            // A multiplier on an open contact is an error like penetration.
             out.penetration = std::max(out.penetration, std::fabs(gap.distance));
         }
         Contact next = c;

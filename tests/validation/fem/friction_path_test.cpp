@@ -69,7 +69,7 @@ std::vector<std::uint32_t> at_height(const TetrahedralLattice& lattice, double z
     return out;
 }
 
-/// A block of cubes of 2 mm on a floor that holds it, its skin of balls of 1 mm, under a blade along x.
+/// A block of 2 mm cubes fixed to a floor, with a skin of 1 mm balls, under a blade along x.
 PathProblem block_under_blade(int nx, int ny, int nz, double friction, bool edges) {
     const TetrahedralLattice lattice = tetrahedral_lattice(nx, ny, nz, 2e-3);
     PathProblem problem = path_problem(lattice, 0.45);
@@ -91,15 +91,15 @@ PathProblem block_under_blade(int nx, int ny, int nz, double friction, bool edge
     return problem;
 }
 
-/// With its underside so far below where it begins to touch a block of `nz` cells.
+/// Pose with the blade's underside that far below first contact with a block of `nz` cells.
 Isometry3d pressed_in(int nz, double y, double depth) {
     return moved(Vec3d(0.0, y, nz * 2e-3 + 5e-3 - depth));
 }
 
 TEST(FrictionPath, DerivativesMatchFiniteDifferences) {
-    // All that a round's energy is made of: elements, a spring, balls and edges on a capsule, a solid, each
-    // pressed and with friction. Central differences with a step of 1e-8 m: rounding 1e-16 / 1e-8 of an
-    // energy that is some millimetres times the force, truncation (1e-8 m / 1 mm)^2.
+    // All terms of a round's energy: elements, a spring, balls and edges on a capsule, a solid, each pressed
+    // and with friction. Central differences with a step of 1e-8 m: rounding 1e-16 / 1e-8 of an energy of
+    // some millimetres times the force, truncation (1e-8 m / 1 mm)^2.
     PathProblem problem = block_under_blade(2, 2, 2, 0.3, true);
     const Plane wall(Vec3d::UnitY());
     problem.solid = &wall;
@@ -133,7 +133,7 @@ TEST(FrictionPath, DerivativesMatchFiniteDifferences) {
         hessian_difference.col(i) = (path.gradient(up) - path.gradient(down)) / 2e-8;
     }
     EXPECT_LT((gradient - gradient_difference).norm(), 1e-6 * gradient.norm());
-    std::vector<Index> free;  // coordinates; of what is held nothing is known
+    std::vector<Index> free;  // coordinates; held ones have no derivative
     for (Index i = 0; i < x.size(); ++i) {
         if (problem.body.rest[static_cast<std::size_t>(i / 3)].z() > 1e-9) {
             free.push_back(i);
@@ -143,8 +143,8 @@ TEST(FrictionPath, DerivativesMatchFiniteDifferences) {
     EXPECT_LT((of_free - hessian_difference(free, free)).norm(), 1e-5 * of_free.norm());
 }
 
-TEST(FrictionPath, WithoutFrictionAndMultipliersIsTheStaticSolver) {
-    // Obstacles of the static solver are the same springs between vertex and capsule.
+TEST(FrictionPath, FrictionlessPathMatchesStaticSolver) {
+    // The static solver's obstacles are the same springs between vertex and capsule.
     PathProblem problem = block_under_blade(8, 6, 4, 0.0, false);
     problem.radius.assign(problem.radius.size(), 0.0);
     PathSettings settings;
@@ -164,9 +164,9 @@ TEST(FrictionPath, WithoutFrictionAndMultipliersIsTheStaticSolver) {
     }
 }
 
-TEST(FrictionPath, BlockOnAPlaneFollowsTheClosedForm) {
-    // Squeezed from above on a plane without friction, held at its top only along z, and at an edge: a
-    // homogeneous state, which linear elements have. Penetration is below 0.02 mm of 8 mm.
+TEST(FrictionPath, BlockOnPlaneMatchesClosedForm) {
+    // Squeezed from above on a frictionless plane, held at its top only along z, and at an edge: a
+    // homogeneous state, which linear elements represent exactly. Penetration is below 0.02 mm of 8 mm.
     const TetrahedralLattice lattice = tetrahedral_lattice(4, 4, 4, 2e-3);
     PathProblem problem = path_problem(lattice, 0.3);
     const Plane floor;
@@ -193,11 +193,11 @@ TEST(FrictionPath, BlockOnAPlaneFollowsTheClosedForm) {
     EXPECT_NEAR(expected.along, 1.0 + squeeze / 8e-3, 0.02 / 8.0);
 }
 
-/// A block on an incline, with springs along that: what these carry, in parts of what pulls it downhill.
+/// A block on an incline, with springs along it: the springs' force relative to the downhill pull.
 double carried_by_spring(double slope, double friction) {
     const TetrahedralLattice lattice = tetrahedral_lattice(3, 2, 2, 2e-3);
     PathProblem problem = path_problem(lattice, 0.3);
-    const Plane floor(Vec3d::UnitZ(), 1e-6);  // touches from the start: nothing else holds the block up
+    const Plane floor(Vec3d::UnitZ(), 1e-6);  // touches from the start: nothing else supports the block
     problem.solid = &floor;
     problem.on_solid = at_height(lattice, 0.0);
     problem.solid_friction = friction;
@@ -208,7 +208,7 @@ double carried_by_spring(double slope, double friction) {
     }
     problem.body.density = 1000.0;
     problem.body.gravity = 9.81 * Vec3d(std::sin(slope), 0.0, -std::cos(slope));
-    // Soft springs along x, from each vertex of the base to its own place: they leave it room to slide.
+    // Soft springs along x from each base vertex to its initial position: they leave it room to slide.
     constexpr double stiffness = 1e-2;
     for (const std::uint32_t i : problem.on_solid) {
         const auto anchor = static_cast<std::uint32_t>(problem.body.rest.size());
@@ -228,9 +228,9 @@ double carried_by_spring(double slope, double friction) {
 }
 
 TEST(FrictionPath, BlockSlidesWhereTheSlopeExceedsTheFriction) {
-    // What friction does not bear, the spring does: 1 - mu / tan(slope), and nothing while the block sticks.
-    // Rounds end where friction changes by 1e-4 of the weight, which is up to 1e-3 of the pull downhill; the
-    // rounds that are left out would have added as much a few times over, where they shrink slowest.
+    // The spring carries what friction does not: 1 - mu / tan(slope), and nothing while the block sticks.
+    // Rounds end when friction changes by less than 1e-4 of the weight, at most 1e-3 of the downhill pull.
+    // The omitted rounds would have added a few times that where convergence is slowest.
     constexpr double friction = 0.2;
     const double limit = std::atan(friction);
     EXPECT_NEAR(carried_by_spring(0.5 * limit, friction), 0.0, 5e-3);
@@ -240,9 +240,9 @@ TEST(FrictionPath, BlockSlidesWhereTheSlopeExceedsTheFriction) {
     }
 }
 
-TEST(FrictionPath, FrictionAsksWhereThingsCameFrom) {
-    // A blade that lies on the block and is drawn across it, there and back: in the same place friction
-    // points either way. Tetrahedra are not their own mirror image, and take some of it: half has to be left.
+TEST(FrictionPath, FrictionDependsOnPath) {
+    // A blade on the block is drawn across it and back: at the same position friction points in opposite
+    // directions. Tetrahedra lack mirror symmetry, which takes part of it: half must remain.
     constexpr double friction = 0.1;
     PathProblem problem = block_under_blade(6, 8, 3, friction, true);
     FrictionPath path(problem, {});
@@ -262,10 +262,9 @@ TEST(FrictionPath, FrictionAsksWhereThingsCameFrom) {
     EXPECT_LT(back.y(), -0.5 * friction * std::fabs(back.z()));
 }
 
-TEST(FrictionPath, EdgesLeaveNoGap) {
-    // A blade across the edges, between two rows of vertices: with balls only it sinks in between them by
-    // what the circle of both radii dips over half a cell; with edges that meet it, by no more than their
-    // quarters.
+TEST(FrictionPath, EdgeContactsLeaveNoGap) {
+    // A blade across the edges, between two rows of vertices. With balls only, it sinks in by the dip of the
+    // circle of both radii over half a cell; with edge contacts, by at most that of their quarter points.
     const auto least = [](bool edges) {
         PathProblem problem = block_under_blade(6, 6, 3, 0.0, edges);
         problem.tool[0].radius = 1e-3;
@@ -285,10 +284,10 @@ TEST(FrictionPath, EdgesLeaveNoGap) {
     EXPECT_GT(least(true), -0.05e-3);
 }
 
-TEST(FrictionPath, LineContactIsHertzs) {
-    // A cylinder on a slab in plane strain, without friction: half the width a of contact follows from the
-    // force per length F' as a^2 = 4 F' R / (pi E*) (Hertz 1882), and the pressure's second moment is a^2
-    // / 4. On vertices a cell apart that moment is known to about a cell squared over six.
+TEST(FrictionPath, LineContactMatchesHertz) {
+    // A cylinder on a slab in plane strain, without friction: the contact half-width a follows from the force
+    // per length F' as a^2 = 4 F' R / (pi E*) (Hertz 1882). The pressure's second moment is a^2 / 4. With
+    // vertices a cell apart, that moment is known to about a cell squared over six.
     constexpr int half = 12;
     constexpr double cell = 0.25e-3;
     const TetrahedralLattice lattice = tetrahedral_lattice(1, 4 * half, 3 * half, cell);
@@ -321,9 +320,9 @@ TEST(FrictionPath, LineContactIsHertzs) {
     EXPECT_NEAR(std::sqrt(4.0 * moment / force) / a, 1.0, 0.05);
 }
 
-TEST(FrictionPath, StepsAreThoseOfImplicitEuler) {
-    // A tetrahedron on springs without length, one at each corner, that pull it as a whole: in each step its
-    // way back shrinks by 1 / (1 + k dt / c). Newton's method leaves 1e-6 of an element's forces, a mN.
+TEST(FrictionPath, StepsMatchImplicitEuler) {
+    // A tetrahedron on zero-length springs, one at each corner, that pull it as a whole: each step reduces
+    // the distance by 1 / (1 + k dt / c). Newton's method leaves 1e-6 of an element's forces, a mN.
     constexpr double pull = 2.0;       // [N/m]
     constexpr double drag = 0.1;       // [N s/m]
     constexpr double duration = 0.02;  // [s]
@@ -350,10 +349,10 @@ TEST(FrictionPath, StepsAreThoseOfImplicitEuler) {
     }
 }
 
-TEST(FrictionPath, AtRestDragHasNoPart) {
-    // A blade pressed in and drawn across in steps, then held until nothing changes: what is then there is an
-    // equilibrium, which advance() finds where it is. Without friction nothing is left of the way; advance()
-    // leaves 0.02 mm of penetration, and step() less, of 2 mm.
+TEST(FrictionPath, DragDoesNotAffectEquilibrium) {
+    // A blade is pressed in and drawn across in steps, then held until nothing changes: the final state is an
+    // equilibrium, and advance() confirms it. Without friction it does not depend on the path; advance()
+    // leaves 0.02 mm of penetration, step() less, of 2 mm.
     const auto at_rest = [](double drag, double friction) {
         PathProblem problem = block_under_blade(6, 8, 3, friction, true);
         problem.drag.assign(problem.body.rest.size(), drag);
@@ -373,14 +372,15 @@ TEST(FrictionPath, AtRestDragHasNoPart) {
     };
     const Vec3d usual = at_rest(0.01, 0.0);
     EXPECT_LT((at_rest(0.04, 0.0) - usual).norm(), 1e-3 * usual.norm());
-    // Friction asks for the way, which drag changes: it may turn a tenth of the force, and turns less.
+    // Friction depends on the path, which drag changes: it may turn up to a tenth of the force, and turns
+    // less.
     const Vec3d held_back = at_rest(0.01, 0.1);
     EXPECT_LT((at_rest(0.04, 0.1) - held_back).norm(), 0.1 * held_back.norm());
 }
 
-TEST(FrictionPath, StepsFollowASnap) {
-    // A flat roof of two springs with a heavy hinge (a tetrahedron) that a blade pushes through: beyond the
-    // flat there is no equilibrium near, and let go it rests as far below as it stood above.
+TEST(FrictionPath, StepsFollowSnapThrough) {
+    // A shallow roof of two springs with a heavy hinge (a tetrahedron) that a blade pushes through: beyond
+    // flat there is no equilibrium nearby, and once released it rests as far below as it stood above.
     constexpr double half = 10e-3;  // [m]
     constexpr double rise = 2e-3;   // [m]
     PathProblem problem;
@@ -388,7 +388,7 @@ TEST(FrictionPath, StepsFollowASnap) {
     problem.body.rest = {{-1e-3, -1e-3, rise}, {1e-3, -1e-3, rise}, {0, 1e-3, rise}, {0, 0, rise - 2e-3}};
     problem.body.tetrahedra = {{0, 1, 2, 3}};
     const double length = std::hypot(half, rise);
-    // Each corner has a roof of its own along x and one along y, so that all it can do is go up and down.
+    // Each corner has one roof along x and one along y, so that it can only move up and down.
     for (std::uint32_t i = 0; i < 4; ++i) {
         for (const Vec3d& to :
              {Vec3d(half, 0, -rise), Vec3d(-half, 0, -rise), Vec3d(0, half, -rise), Vec3d(0, -half, -rise)}) {
@@ -415,7 +415,7 @@ TEST(FrictionPath, StepsFollowASnap) {
     }
 }
 
-TEST(FrictionPath, ItsOwnChoicesHardlyMoveIt) {
+TEST(FrictionPath, IsInsensitiveToSolverSettings) {
     // A blade pressed in and drawn across, as in the lift.
     const auto force = [](int increments, const PathSettings& settings) {
         FrictionPath path(block_under_blade(6, 8, 3, 0.1, true), settings);

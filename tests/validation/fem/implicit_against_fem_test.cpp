@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "server/pbd/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_tetrahedra.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
 #include "tests/validation/fem/static_solver.hpp"
 
@@ -19,13 +19,14 @@ constexpr double implicit_modulus = 5e3;
 constexpr double implicit_density = 1000.0;
 constexpr float implicit_dt = 1.0f / 180.0f;
 
-/// A block of 20 x 10 x 10 mm, one solve a step, without damping but that of implicit Euler and `damping`.
+/// A block of 20 x 10 x 10 mm, one solve per step, without damping except that of implicit Euler and
+/// `damping`.
 struct Block {
     test::TetrahedralLattice lattice = test::tetrahedral_lattice(8, 4, 4, implicit_cell);
     pbd::Particles particles;
     pbd::ImplicitTetrahedra mesh;
 
-    /// `held` says by its place at rest whether a particle stays.
+    /// `held` decides by rest position whether a particle is fixed.
     template <class Held>
     Block(double poisson_ratio, const Held& held) {
         pbd::Particles& p = particles;
@@ -71,12 +72,13 @@ Problem implicit_problem(const test::TetrahedralLattice& lattice, double poisson
     return problem;
 }
 
-// A step's statics are those of finite elements, but for floats: a strain is a difference of coordinates of 2
-// cm over a cell, rounded by 6e-8 x 2 cm / 2.5 mm = 5e-7. Bending strains the block by 2 % at most under the
-// least load here, and pressure takes an error of volume 1 / (1 - 2 nu) = 50 times for a ratio of 0.49: 1e-3.
+// Static results equal those of finite elements up to float rounding. A strain is a difference of coordinates
+// of 2 cm over a cell, rounded by 6e-8 x 2 cm / 2.5 mm = 5e-7. Bending strains the block by 2 % at most under
+// the least load here. Pressure multiplies an error of volume by 1 / (1 - 2 nu) = 50 for a ratio of 0.49:
+// 1e-3.
 class ImplicitSag : public testing::TestWithParam<std::tuple<double, double>> {};
 
-TEST_P(ImplicitSag, IsThatOfFiniteElements) {
+TEST_P(ImplicitSag, MatchesFiniteElements) {
     const auto [nu, gravity] = GetParam();
     const auto held = [](const Vec3d& rest) { return rest.x() < 1e-9; };
     Block block(nu, held);
@@ -89,7 +91,7 @@ TEST_P(ImplicitSag, IsThatOfFiniteElements) {
     }
     const Solution expected = solve(problem);
     ASSERT_TRUE(expected.converged) << expected.residual;
-    // Nearly incompressible, a body wants more of them to arrive within these two seconds.
+    // A nearly incompressible body needs more iterations to converge within these two seconds.
     block.mesh.settings.iterations = nu > 0.46 ? 60 : 8;
     for (int k = 0; k < 360; ++k) {
         block.predict({0, 0, -static_cast<float>(gravity)});
@@ -109,8 +111,7 @@ INSTANTIATE_TEST_SUITE_P(PoissonRatiosAndLoads, ImplicitSag,
                          testing::Combine(testing::Values(0.3, 0.45, 0.49),
                                           testing::Values(2.0, 9.81, 30.0)));
 
-/// The block held above, a plane beneath it that has come up by `depth` [m] and goes on along x with `speed`
-/// [m/s].
+/// The block held at its top, on a plane that has risen by `depth` [m] and moves along x with `speed` [m/s].
 struct PressedBlock {
     static constexpr double top = 4 * implicit_cell;
     static constexpr float depth = 1e-3f;
@@ -157,8 +158,8 @@ struct PressedBlock {
     }
 };
 
-/// Of the plane on the block, by finite elements whose lowest vertices go up by its depth; across they stay
-/// or are free.
+/// Force of the plane on the block by finite elements whose lowest vertices rise by its depth; laterally they
+/// stick or are free.
 Vec3d pressed_by_elements(bool sticks) {
     const PressedBlock pressed;
     Problem problem = implicit_problem(pressed.block.lattice, 0.45);
@@ -188,8 +189,8 @@ Vec3d pressed_by_elements(bool sticks) {
     return force;
 }
 
-TEST(ImplicitContact, AFrictionlessPlaneBearsWhatFiniteElementsDo) {
-    // 1e-3 by floats, as above.
+TEST(ImplicitContact, FrictionlessForceMatchesFiniteElements) {
+    // 1e-3 by float rounding, as above.
     PressedBlock pressed;
     for (int k = 0; k < 540; ++k) {
         pressed.step(0.0f, 0.0f);
@@ -201,10 +202,9 @@ TEST(ImplicitContact, AFrictionlessPlaneBearsWhatFiniteElementsDo) {
     }
 }
 
-TEST(ImplicitContact, WhatSlidesIsHeldBackByCoulombsShare) {
-    // Closed form: across it pulls with the coefficient times what presses, along the plane's motion. Mean
-    // over a second, in which the block's lattice, which is not alike to both sides, lets points creep aside:
-    // 5 %.
+TEST(ImplicitContact, SlidingFrictionMatchesCoulomb) {
+    // Closed form: the tangential force is the coefficient times the normal force, along the plane's motion.
+    // Mean over a second, during which points creep sideways because the lattice lacks mirror symmetry: 5 %.
     constexpr float friction = 0.2f;
     PressedBlock pressed;
     Vec3d mean = Vec3d::Zero();
@@ -217,8 +217,9 @@ TEST(ImplicitContact, WhatSlidesIsHeldBackByCoulombsShare) {
     EXPECT_NEAR(mean.y(), 0.0, 0.05 * bound);
 }
 
-TEST(ImplicitContact, BelowCoulombsBoundItSticksAsIfGlued) {
-    // With a coefficient of 10 no point slides: what holds it grows until it is back where it stuck.
+TEST(ImplicitContact, StickingMatchesBondedReference) {
+    // With a coefficient of 10 no point slides: the holding force grows until the point is back where it
+    // stuck.
     PressedBlock pressed;
     for (int k = 0; k < 540; ++k) {
         pressed.step(10.0f, 0.0f);

@@ -20,7 +20,7 @@ double stored(const Eigen::Matrix3d& strain) {
         p.position[i] = (lattice.position[i] + strain * lattice.position[i]).cast<float>();
         p.inverse_mass[i] = 1.0f;
     }
-    springs.accelerate(p, 1.0f);  // velocities are forces
+    springs.accelerate(p, 1.0f);  // with dt = 1 and unit mass, velocities equal forces
     double work = 0.0;
     for (std::size_t i = 0; i < p.size(); ++i) {
         work -= 0.5 * p.velocity[i].cast<double>().dot(strain * lattice.position[i]);
@@ -37,9 +37,9 @@ double expected(const Eigen::Matrix3d& strain) {
     return volume * (0.5 * lambda * std::pow(strain.trace(), 2) + mu * strain.squaredNorm());
 }
 
-TEST(MassSprings, StoreTheEnergyOfAnIsotropicSolidInAnyUniformStrain) {
-    // Strains of 1 % change lengths to second order by as much of the energy; float positions leave 1e-7 over
-    // 1e-2 times the cell's part of the block.
+TEST(MassSprings, StoreEnergyOfIsotropicSolid) {
+    // Strains of 1 % change lengths to second order by the same share of the energy; float positions leave
+    // 1e-7 over 1e-2 times the cell's share of the block.
     constexpr double e = 0.01;
     Eigen::Matrix3d along = Eigen::Matrix3d::Zero();
     along(0, 0) = e;

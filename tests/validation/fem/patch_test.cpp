@@ -29,7 +29,7 @@ test::TetrahedralLattice crooked() {
     return lattice;
 }
 
-/// The greatest distance [m] of an inner node from where the affine motion would have it, at rest.
+/// Largest distance [m] of an inner node from the affine motion, at rest.
 double departure(const Eigen::Matrix3d& gradient, float poisson_ratio, float dt) {
     test::TetrahedralBody body(crooked(), patch_modulus, poisson_ratio);
     body.damping = 60.0f;
@@ -43,7 +43,7 @@ double departure(const Eigen::Matrix3d& gradient, float poisson_ratio, float dt)
         p.position[i] = expected.back().cast<float>();
         if (rest.minCoeff() > 1e-9 && rest.maxCoeff() < cells * patch_cell - 1e-9) {
             inner.push_back(i);
-            // A tenth of a cell away from it: it has to find back.
+            // Starts a tenth of a cell away from it and must return.
             p.position[i] += 0.1f * static_cast<float>(patch_cell) *
                              Vec3f(random.normal(), random.normal(), random.normal()).normalized();
         } else {
@@ -62,11 +62,11 @@ double departure(const Eigen::Matrix3d& gradient, float poisson_ratio, float dt)
     return worst;
 }
 
-// The scheme leaves an error of second order in dt c / h with the speed of pressure waves c, at most 0.4 of
-// its square (see Tetrahedra), of the way that the strain of 0.3 makes over a cell; a quarter of the substep
-// leaves a sixteenth. A turn has no strain: rounding of 1e-9 m remains, as much larger as elasticity answers
-// it by less.
-TEST(PatchTest, AffineMotionOfTheSurfaceIsAnEquilibrium) {
+// The scheme leaves an error of second order in dt c / h with the speed of pressure waves c: at most 0.4 of
+// its square (see Tetrahedra) of the displacement that the strain of 0.3 causes over a cell. A quarter of the
+// substep leaves a sixteenth. A rotation has no strain: rounding of 1e-9 m remains, amplified as elasticity
+// responds less.
+TEST(PatchTest, AffineSurfaceMotionIsEquilibrium) {
     Eigen::Matrix3d stretch, shear, turn;
     stretch << 1.3, 0, 0, 0, 0.9, 0, 0, 0, 0.85;
     shear << 1.0, 0.3, 0, 0, 1.0, 0.2, 0.1, 0, 1.0;

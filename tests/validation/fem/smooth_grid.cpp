@@ -9,7 +9,7 @@ namespace eti::fem {
 
 namespace {
 
-/// Weights of the four nodes about a place t in the second of three cells, and of their derivatives.
+/// Weights of the four nodes around a point t in the middle one of three cells, and their derivatives.
 struct Weights {
     std::array<std::array<double, 4>, 3> of;  // by order of the derivative
 };

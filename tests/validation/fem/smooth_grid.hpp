@@ -7,8 +7,8 @@
 
 namespace eti::fem {
 
-/// A grid of distances, by cubics through its nodes (Catmull & Rom 1974) along each axis: no kinks between
-/// cells, which Newton's method would not get over. Points beyond the last cells take the border's.
+/// A distance grid with cubic interpolation through its nodes (Catmull & Rom 1974) along each axis: without
+/// the kinks between cells, at which Newton's method fails. Points outside are clamped to the border cells.
 class SmoothGrid : public Solid {
   public:
     explicit SmoothGrid(const DistanceGrid& grid) : grid_(grid) {}

@@ -32,7 +32,7 @@ TEST(SmoothGrid, PassesThroughItsNodes) {
     }
 }
 
-TEST(SmoothGrid, IsNearerToABallThanCellsAreAndHasItsSlope) {
+TEST(SmoothGrid, MatchesBallDistanceAndSlope) {
     // Cubics leave an error of third order in spacing over radius, here 1e-3 of the spacing; single precision
     // leaves 1e-9 m.
     const SmoothGrid smooth(ball());

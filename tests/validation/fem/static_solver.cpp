@@ -21,10 +21,9 @@ using Matrix9d = Eigen::Matrix<double, 9, 9>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
 constexpr int solver_iteration_limit = 200;
-// Rounding of forces leaves about 1e-13 of the largest element's on meshes of thousands of elements.
+// Rounding of forces leaves about 1e-13 of the largest element force on meshes of thousands of elements.
 constexpr double residual_limit = 1e-10;
-// What negative eigenvalues are raised to, in parts of the shear modulus: enough for a factorisation in
-// double.
+// Lower bound for eigenvalues, relative to the shear modulus: enough for a factorisation in double.
 constexpr double smallest_curvature = 1e-6;
 
 Matrix3d cofactor(const Matrix3d& f) {
@@ -163,7 +162,7 @@ VectorXd Potential::gradient(const VectorXd& x) const {
 double Potential::largest_element_force(const VectorXd& x) const {
     double largest = load_.cwiseAbs().maxCoeff();
     for (const Element& element : elements_) {
-        // mu F and the rest of the stress cancel at rest; their rounding is that of each.
+        // mu F and the rest of the stress cancel at rest; rounding is that of each term.
         const Matrix3d f = deformation(element, x);
         largest = std::max(
             largest, element.volume * mu_ * (f * element.slope.transpose()).colwise().norm().maxCoeff());
@@ -186,7 +185,7 @@ Matrix12d Potential::stiffness(std::size_t which, const VectorXd& x, bool defini
         by_f.block<3, 3>(3 * j, 3 * b) += pressure * cross_matrix(f.col(a));
     }
     const double smallest = smallest_curvature * mu_;
-    // Most are definite, which a factorisation finds out at a tenth of the cost.
+    // Most are definite, which a factorisation detects at a tenth of the cost.
     if (definite && Eigen::LLT<Matrix9d>(by_f - smallest * Matrix9d::Identity()).info() != Eigen::Success) {
         const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(by_f);
         by_f = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(smallest).asDiagonal() *
@@ -221,7 +220,7 @@ Eigen::SparseMatrix<double> Potential::hessian(const VectorXd& x, bool definite)
                 continue;
             }
             Matrix3d k = d.out * d.out.transpose();
-            if (!definite) {  // what turning the way out does is never positive
+            if (!definite) {  // the term from rotating the normal is never positive
                 k -= d.depth / d.distance *
                      (Matrix3d::Identity() - d.out * d.out.transpose() - d.axis * d.axis.transpose());
             }
@@ -239,7 +238,7 @@ Eigen::SparseMatrix<double> Potential::hessian(const VectorXd& x, bool definite)
 
 namespace {
 
-/// Rows and columns of the coordinates that are free.
+/// Rows and columns of the free coordinates.
 Eigen::SparseMatrix<double> free_part(const Eigen::SparseMatrix<double>& full,
                                       const std::vector<Index>& place, Index count) {
     std::vector<Eigen::Triplet<double>> entries;
@@ -307,7 +306,7 @@ Solution solve(const Problem& problem, const std::vector<Vec3d>& start) {
         for (; length > 1e-10; length *= 0.5) {
             VectorXd tried = x;
             tried(free) += length * step;
-            // Armijo's rule, up to the rounding of the energy, below which the residual decides.
+            // Armijo's rule, down to the rounding of the energy; below that the residual decides.
             if (potential.energy(tried) <= energy + 1e-4 * length * slope + 1e-13 * std::fabs(energy)) {
                 x = tried;
                 break;

@@ -10,7 +10,8 @@
 
 #include "common/math/transform.hpp"
 
-/// Reference finite elements for tests and charts: linear tetrahedra, double precision, no regard for time.
+/// Reference finite elements for tests and charts: linear tetrahedra in double precision, not optimised for
+/// speed.
 namespace eti::fem {
 
 /// A body of the energy per volume mu/2 (tr(F^T F) - 3) + lambda/2 (det F - gamma)^2: Smith, de Goes & Kim
@@ -22,8 +23,8 @@ struct Problem {
         int axis = 0;
         double displacement = 0.0;  ///< [m]
     };
-    /// A rigid capsule that pushes every vertex inside it outwards, unless that is held, like a spring
-    /// between vertex and surface.
+    /// A rigid capsule that pushes every free vertex inside it outwards, like a spring between vertex and
+    /// surface.
     struct Obstacle {
         Vec3d a = Vec3d::Zero(), b = Vec3d::Zero();  ///< [m], ends of the axis
         double radius = 0.0;                         ///< [m]
@@ -54,16 +55,16 @@ class Potential {
     [[nodiscard]] double energy(const Eigen::VectorXd& x) const;
     [[nodiscard]] Eigen::VectorXd gradient(const Eigen::VectorXd& x) const;
     /// With `definite`, negative eigenvalues of the elements are raised to just above zero: no longer the
-    /// derivative, but a direction of descent from anywhere (Teran et al. 2005).
+    /// exact derivative, but a descent direction from anywhere (Teran et al. 2005).
     [[nodiscard]] Eigen::SparseMatrix<double> hessian(const Eigen::VectorXd& x, bool definite) const;
-    /// The largest force of one element on one corner, to compare residuals with [N].
+    /// Largest force of one element on one corner [N]; the scale for residuals.
     [[nodiscard]] double largest_element_force(const Eigen::VectorXd& x) const;
 
     [[nodiscard]] std::size_t elements() const { return elements_.size(); }
     [[nodiscard]] const std::array<std::uint32_t, 4>& corners(std::size_t element) const {
         return elements_[element].corner;
     }
-    /// What one element adds to hessian(), by its corners' coordinates.
+    /// Contribution of one element to hessian(), by its corners' coordinates.
     [[nodiscard]] Eigen::Matrix<double, 12, 12> stiffness(std::size_t element, const Eigen::VectorXd& x,
                                                           bool definite) const;
 
@@ -79,7 +80,7 @@ class Potential {
     [[nodiscard]] static Eigen::Matrix3d deformation(const Element& element, const Eigen::VectorXd& x);
     [[nodiscard]] Eigen::Matrix3d stress(const Eigen::Matrix3d& f) const;
 
-    /// How far a point is inside an obstacle [m], not above zero outside, and the way out.
+    /// Penetration of a point into an obstacle [m], not positive outside, and the outward direction.
     struct Depth {
         double depth;
         double distance;  ///< from the axis [m]
@@ -98,7 +99,7 @@ class Potential {
 struct Solution {
     std::vector<Vec3d> position;
     int iterations = 0;
-    double residual = 0.0;  ///< largest unbalanced force, in parts of the largest force of an element
+    double residual = 0.0;  ///< largest unbalanced force, relative to the largest element force
     bool converged = false;
 };
 

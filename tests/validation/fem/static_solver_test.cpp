@@ -69,8 +69,8 @@ TEST(Potential, DerivativesMatchFiniteDifferences) {
     EXPECT_LT((hessian - hessian_difference).norm(), 1e-9 * hessian.norm());
 }
 
-TEST(Potential, DefiniteHessianIsTheHessianWhereThatIsDefinite) {
-    // At rest no eigenvalue is negative; those of rotations are zero and raised by a millionth.
+TEST(Potential, DefiniteHessianIsSemidefiniteProjection) {
+    // At rest no eigenvalue is negative; those of rotations are zero and are raised by a millionth.
     const TetrahedralLattice lattice = tetrahedral_lattice(2, 1, 1, 1.0);
     const Potential potential(problem_of(lattice, 3.0, 0.4));
     VectorXd x(3 * static_cast<Index>(lattice.position.size()));
@@ -135,9 +135,9 @@ Problem drawn_block(const TetrahedralLattice& lattice, double stress, double poi
     return problem;
 }
 
-TEST(StaticSolver, TractionSweepFollowsTheClosedForm) {
-    // Homogeneous states lie in the element's space: only the residual of 1e-10 of the largest element's
-    // force is left, over a stiffness that a thin margin of stability may lower ten times.
+TEST(StaticSolver, TractionSweepMatchesClosedForm) {
+    // Homogeneous states lie in the element space: only the residual of 1e-10 of the largest element force
+    // remains, over a stiffness that a thin stability margin may lower tenfold.
     const TetrahedralLattice lattice = tetrahedral_lattice(4, 2, 2, 5e-3);
     for (const double poisson_ratio : {0.0, 0.2, 0.3, 0.45, 0.49}) {
         for (const double stress : {-1000.0, -200.0, 200.0, 1000.0, 5000.0}) {
@@ -153,7 +153,7 @@ TEST(StaticSolver, TractionSweepFollowsTheClosedForm) {
 }
 
 TEST(StaticSolver, SmallStrainsFollowHookesLaw) {
-    // Strain 1e-5: what is not linear is of its order relative to it, here up to 3 times.
+    // Strain 1e-5: nonlinear terms are of the same relative order, here up to 3 times.
     const TetrahedralLattice lattice = tetrahedral_lattice(4, 2, 2, 5e-3);
     for (const double poisson_ratio : {0.0, 0.3, 0.49}) {
         const Solution solution = solve(drawn_block(lattice, 5e3 * 1e-5, poisson_ratio));
@@ -164,8 +164,8 @@ TEST(StaticSolver, SmallStrainsFollowHookesLaw) {
     }
 }
 
-/// Deflection of the end of a cantilever 6 times as long as thick, with `n` cells over its thickness, in
-/// parts of Timoshenko's.
+/// Tip deflection of a cantilever 6 times as long as thick, with `n` cells over its thickness, relative to
+/// Timoshenko's.
 double deflection(int n) {
     constexpr double thickness = 1e-2;
     constexpr double length = 6.0 * thickness;
@@ -197,11 +197,11 @@ double deflection(int n) {
     return sum / count / timoshenko;
 }
 
-TEST(StaticSolver, CantileverApproachesTimoshenkosBeam) {
-    // Linear elements answer bending with shear, which stiffens a beam in proportion to the square of the
+TEST(StaticSolver, CantileverConvergesToTimoshenkoBeam) {
+    // Linear elements respond to bending with shear, which stiffens a beam in proportion to the square of the
     // cell: stiffness 1.98, 1.28, 1.08 of Timoshenko's, whose differences shrink 3.6 times per halving (4 in
-    // the limit). Extrapolated to 1.016, and with 12 instead of 8 cells to 1.013: the clamped end, which the
-    // beam's theory lets contract, has its share of that.
+    // the limit). Extrapolated to 1.016, and with 12 instead of 8 cells to 1.013; the clamped end, which may
+    // contract in beam theory, accounts for some of that.
     const double coarse = 1.0 / deflection(2);
     const double fine = 1.0 / deflection(4);
     const double finest = 1.0 / deflection(8);
@@ -213,9 +213,9 @@ TEST(StaticSolver, CantileverApproachesTimoshenkosBeam) {
     EXPECT_LT(extrapolated, 1.025);
 }
 
-TEST(StaticSolver, FindsTheSameFromADisorderedStart) {
-    // One equilibrium under this load: both runs stop within a residual of 1e-10 of it, which is 1e-10 of
-    // the 24 mm length times a condition of some hundreds for bending.
+TEST(StaticSolver, SolutionIsIndependentOfStart) {
+    // This load has a unique equilibrium: both runs stop within a residual of 1e-10 of it, which is 1e-10 of
+    // the 24 mm length times a condition number of some hundreds for bending.
     const TetrahedralLattice lattice = tetrahedral_lattice(6, 3, 3, 4e-3);
     Problem problem = problem_of(lattice, 5e3, 0.45);
     problem.gravity = {0, 0, -9.81};

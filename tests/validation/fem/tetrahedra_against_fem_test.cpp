@@ -38,7 +38,7 @@ Solution reference(double gravity, double poisson_ratio) {
     return solve(problem);
 }
 
-/// Root mean square distance of the particles at rest from the reference, in parts of its displacement.
+/// RMS distance of the particles at rest from the reference, relative to its displacement.
 double displacement_error(const Solution& expected, double gravity, double poisson_ratio, float dt) {
     test::TetrahedralBody body(block(), static_cast<float>(explicit_modulus),
                                static_cast<float>(poisson_ratio));
@@ -69,12 +69,12 @@ double courant_squared(double poisson_ratio, float dt) {
     return modulus / explicit_density * std::pow(static_cast<double>(dt) / explicit_cell, 2);
 }
 
-// A pass per substep leaves an error of second order. At 1/6000 s it was measured as 0.03 to 0.14 of
-// (dt c / h)^2 for sags of 0.5 to 14 mm of the 20 mm long block: 0.1 % of the displacement for a Poisson
-// ratio of 0.3, 0.4 to 1 % for 0.45, 4 to 5.5 % for 0.49. (At 1/1500 s: 3 %, 6 to 13 %, 29 to 48 %.)
+// One pass per substep leaves an error of second order. At 1/6000 s it measures 0.03 to 0.14 of (dt c / h)^2
+// for sags of 0.5 to 14 mm of the 20 mm long block. That is 0.1 % of the displacement for a Poisson ratio of
+// 0.3, 0.4 to 1 % for 0.45, 4 to 5.5 % for 0.49. (At 1/1500 s: 3 %, 6 to 13 %, 29 to 48 %.)
 class Sag : public testing::TestWithParam<std::tuple<double, double>> {};
 
-TEST_P(Sag, IsThatOfFiniteElements) {
+TEST_P(Sag, MatchesFiniteElements) {
     const auto [nu, gravity] = GetParam();
     const Solution expected = reference(gravity, nu);
     ASSERT_TRUE(expected.converged) << expected.residual;
@@ -88,8 +88,8 @@ INSTANTIATE_TEST_SUITE_P(PoissonRatiosAndLoads, Sag,
                          testing::Combine(testing::Values(0.3, 0.45, 0.49),
                                           testing::Values(2.0, 9.81, 30.0)));
 
-TEST(TetrahedraAgainstFem, ErrorFallsWithTheSquareOfTheSubstep) {
-    // Measured 3.6, 3.8 and 6.5 (where the error, 0.13 %, is no longer of one sign) per halving.
+TEST(TetrahedraAgainstFem, ErrorIsSecondOrderInSubstep) {
+    // Measured 3.6, 3.8 and 6.5 per halving (the last where the error, 0.13 %, changes sign).
     const Solution expected = reference(9.81, 0.45);
     const double coarse = displacement_error(expected, 9.81, 0.45, 1.0f / 1500.0f);
     const double fine = displacement_error(expected, 9.81, 0.45, 1.0f / 3000.0f);

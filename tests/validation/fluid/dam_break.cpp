@@ -70,7 +70,7 @@ DamBreak dam_break(int columns, int deep, float dt, int iterations) {
     }
     const Vec3f down(0.0f, 0.0f, -gravity);
     pbd::FluidSurroundings surroundings;
-    // Behind the gate until it has settled, as in the experiment.
+    // Settles behind the gate, as in the experiment.
     const DistanceGrid closed = vessel(Vec3f(width, inside.y(), inside.z()), settings.spacing);
     surroundings.solid = &closed;
     int substeps = 0;
@@ -85,7 +85,8 @@ DamBreak dam_break(int columns, int deep, float dt, int iterations) {
     std::vector<float> x;
     const auto front = [&] {
         x.resize(fluid.count());
-        // As many particles as lie side by side at the front have passed it; drops ahead do not count.
+        // The front is where as many particles as fit side by side have passed; drops ahead of it do not
+        // count.
         for (std::size_t i = 0; i < x.size(); ++i) {
             x[i] = fluid.positions()[i].x();
         }

@@ -27,13 +27,13 @@ TEST_P(DamBreakTest, FrontFollowsMartinAndMoyce) {
         (experiment[10].front - experiment[2].front) / (experiment[10].time - experiment[2].time);
     std::cout << "front off by " << 100.0f * rms << " % rms, its speed by "
               << 100.0f * (speed / measured_speed - 1.0f) << " %\n";
-    // The speed of the developed front does not depend on when the clock was started: the digitisation's
-    // few per cent are left, over a distance known to two such errors.
+    // The speed of the developed front does not depend on the start time: what remains is the digitisation's
+    // few per cent, over a distance known to two such errors.
     EXPECT_NEAR(speed, measured_speed, 0.06f * measured_speed);
-    // Positions do: here the gate is gone at once and the floor is smooth, so the front may only lead.
-    // Digitisation (4 %), the front's breadth of a particle (0.06 of Z = 1.2 to 10: 2 % in the mean), and a
-    // gate that takes 10 ms to go (0.19 in T, 0.3 in Z, 8 % in the mean) add up to 14 %; as independent
-    // errors, 9 %. The bound lies between.
+    // Positions do: here the gate vanishes at once and the floor is smooth, so the front may only lead.
+    // Digitisation (4 %), the front's width of a particle (0.06 of Z = 1.2 to 10: 2 % in the mean), and a
+    // gate that takes 10 ms to open (0.19 in T, 0.3 in Z, 8 % in the mean) add up to 14 %. As independent
+    // errors they make 9 %. The bound lies between.
     EXPECT_LT(rms, 0.12f);
     EXPECT_GT(result.fronts[10], experiment[10].front * 0.96f);
 }

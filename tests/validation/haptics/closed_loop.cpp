@@ -22,12 +22,12 @@ using devices::TripleBuffer;
 
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t step_ns = 1'000'000'000 / 180;
-constexpr std::int64_t origin_ns = 1'000 * ms;  // a clock never shows 0: nothing arrived then
+constexpr std::int64_t origin_ns = 1'000 * ms;  // never 0: a timestamp of 0 means that nothing has arrived
 constexpr float above = 5e-3f, pressed = -4e-3f, deeper = -6e-3f;  // [m], of the blade's underside
 constexpr float approach = 0.05f;                                  // [m/s]
 constexpr int bumped_at = 2000, held_from = 3000, deeper_at = 4000, cycles = 6200;
 
-/// A message on its way.
+/// A message in transit.
 template <class Message>
 struct Line {
     struct Sent {
@@ -43,7 +43,7 @@ struct Line {
         const double late = 0.5 * channel.delay + channel.jitter * static_cast<double>(random.uniform());
         on_the_way.push_back({now + static_cast<std::int64_t>(1e9 * late), message});
     }
-    /// The newest that has arrived; one that was overtaken is dropped, as readers keep the last.
+    /// The newest message that has arrived; an overtaken one is dropped, as with KEEP_LAST.
     bool receive(std::int64_t now, Message& message) {
         bool any = false;
         std::int64_t newest = 0;
@@ -64,7 +64,7 @@ struct Line {
 
 const Vec3f gimbal(0.0f, 0.06f, 0.0f);  // [m], tool frame
 
-/// A device in a hand that follows the plan of the case.
+/// A device in a hand that follows the case's trajectory.
 class PlannedHand final : public devices::Sensor {
   public:
     PlannedHand(const LoopCase& loop, const Laryngoscope& scope)
@@ -93,7 +93,7 @@ class PlannedHand final : public devices::Sensor {
             wanted_ += 1e-3f;
         }
     }
-    /// Of the blade's underside above the surface [m]; a lever's at its end.
+    /// Height of the blade's underside above the surface [m]; for a lever, at its end.
     [[nodiscard]] float height() const { return (hand_.motion().pose * end()).y() - part_.radius; }
 
     [[nodiscard]] RigidTransform start() const { return pose_at(above); }
@@ -125,7 +125,8 @@ class PlannedHand final : public devices::Sensor {
     std::uint64_t sample_ = 0;
 };
 
-/// A device that is carried along, whatever it feels: at rest, at a speed, and at rest again at once.
+/// A device moved kinematically, whatever force it gets: at rest, at a constant speed, and abruptly at rest
+/// again.
 class CarriedDevice final : public devices::Sensor {
   public:
     CarriedDevice(float height, float speed, int from, int to)
@@ -151,7 +152,7 @@ class CarriedDevice final : public devices::Sensor {
     std::uint64_t sample_ = 0;
 };
 
-/// [m], where the patient's surface is.
+/// [m], height of the patient's surface.
 float surface_at(const Moving& patient, double time) {
     const double moved = std::abs(patient.speed) * std::max(0.0, time - patient.from) / patient.reach;
     const double phase = std::fmod(moved, 4.0);
@@ -179,7 +180,7 @@ TriangleMesh floor_mesh() {
     return mesh;
 }
 
-/// The server: the rigid layer, and particles on springs where there is tissue.
+/// The server: the rigid layer, and spring-borne particles where there is tissue.
 class Server {
   public:
     Server(const LoopCase& loop, const Laryngoscope& scope, const RigidTransform& start)
@@ -189,7 +190,7 @@ class Server {
           layer_(scope, shell_, std::vector<Tissue>(shell_.triangles.size(), Tissue::upper_gum)) {
         layer_.reset(start);
         device_ = start;
-        // So many springs that the half-space has the tongue's stiffness in the displacement law's table.
+        // As many springs as give the half-space the tongue's stiffness in the displacement law's table.
         per_particle_ = devices::tissue_stiffness()[static_cast<std::size_t>(Tissue::tongue)] /
                         static_cast<float>(rows * columns);
     }
@@ -209,7 +210,7 @@ class Server {
         const rigid::ProxyResult& result = layer_.step(device_, 1.0f / 180.0f);
         out.proxy.proxy = {result.pose, result.velocity, result.angular_velocity};
         out.proxy.device = device_;
-        out.proxy.contacts = std::min(result.contacts.size(), devices::ProxyReport::most_contacts);
+        out.proxy.contacts = std::min(result.contacts.size(), devices::ProxyReport::max_contacts);
         for (std::size_t i = 0; i < out.proxy.contacts; ++i) {
             out.proxy.normals[i] = result.contacts[i].normal;
         }
@@ -235,7 +236,8 @@ class Server {
     }
 
     static constexpr int rows = 8,
-                         columns = 3;  // of particles under the blade, few enough that all touch at once
+                         columns =
+                             3;  // of particles under the blade, few enough that all make contact at once
 
     /// A lattice of particles under the proximal blade, each on a vertical spring.
     void press(const RigidTransform& pose, devices::TissueReport& report) const {
@@ -270,13 +272,13 @@ class Server {
     float surface_ = 0.0f;       // [m]
 };
 
-/// The server behind the channel of the case: what comes of it is in `newest`.
+/// The server behind the case's channel; its latest message is in `newest`.
 class FarServer {
   public:
     FarServer(const LoopCase& loop, const Laryngoscope& scope, const RigidTransform& start)
         : loop_(loop), server_(loop, scope, start), random_(loop.seed) {}
 
-    /// The clock shows `now`: the server steps when it is time, and what has arrived is newest.
+    /// Advances the clock to `now`: the server steps when due, and `newest` holds the last arrival.
     void advance(std::int64_t now) {
         if (next_step_ <= now) {
             const std::int64_t missed = loop_.gaps.caught_up ? (next_step_ - last_step_) / step_ns : 1;
@@ -512,7 +514,7 @@ double largest_stable_stiffness(LoopCase loop) {
     if (!stable(lowest)) {
         return 0.0;
     }
-    // From below: where the force's limit ends a cycle, stiffer ones hold still again.
+    // From below: stiffer couplings hold still again where the force limit ends a limit cycle.
     double good = lowest, bad = lowest;
     while (bad == good && good < highest) {
         bad = std::min(step * good, highest);

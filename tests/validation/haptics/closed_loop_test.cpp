@@ -28,7 +28,7 @@ constexpr std::pair<Medium, SoftForce> surfaces[] = {{Medium::wall, SoftForce::c
                                                      {Medium::tissue, SoftForce::constraint},
                                                      {Medium::tissue, SoftForce::displacement}};
 
-TEST(ClosedLoop, TheShippedDefaultsShowNoLimitCycleAtTenMillisecondsAndOnePercentLoss) {
+TEST(ClosedLoop, ShippedDefaultsShowNoLimitCycle) {
     for (const auto& [medium, law] : surfaces) {
         for (const Grip& grip : {firm, light}) {
             for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -46,7 +46,7 @@ TEST(ClosedLoop, TheShippedDefaultsShowNoLimitCycleAtTenMillisecondsAndOnePercen
     }
 }
 
-/// A server with gaps between messages that are held, of one length or of any.
+/// A server with gaps short enough to be held, of constant or random length.
 std::vector<Gaps> gaps_that_are_held() {
     std::vector<Gaps> all;
     for (const double every : {0.0, 0.05, 0.15, 0.3, 1.0}) {
@@ -58,8 +58,8 @@ std::vector<Gaps> gaps_that_are_held() {
     return all;
 }
 
-// Behind delay and loss, too: what is held only resists, and what comes back does not push the hand about.
-TEST(ClosedLoop, GapsThatAreHeldKeepNothingMoving) {
+// Also with delay and loss: a held force only resists, and its return does not push the hand.
+TEST(ClosedLoop, HeldGapsCauseNoLimitCycle) {
     for (const auto& [medium, law] : surfaces) {
         for (const Grip& grip : {firm, light}) {
             for (const Gaps& gaps : gaps_that_are_held()) {
@@ -79,8 +79,8 @@ TEST(ClosedLoop, GapsThatAreHeldKeepNothingMoving) {
     }
 }
 
-// Twice the passive bound of Colgate & Schenkel for a light grip, 2 (b - B) / T = 4000 N/m, and late.
-TEST(ClosedLoop, AWallFarBeyondTheBoundShowsOneWithoutTheController) {
+// Twice the passivity bound of Colgate & Schenkel for a light grip, 2 (b - B) / T = 4000 N/m, and delayed.
+TEST(ClosedLoop, UncontrolledStiffWallShowsLimitCycle) {
     LoopCase loop;
     loop.stiffness = 8000.0f;
     loop.grip = light;
@@ -89,7 +89,7 @@ TEST(ClosedLoop, AWallFarBeyondTheBoundShowsOneWithoutTheController) {
     EXPECT_GT(run_loop(loop).excursion, most_excursion);
 }
 
-TEST(ClosedLoop, TheControllerNeverLowersTheStableStiffness) {
+TEST(ClosedLoop, ControllerNeverLowersStableStiffness) {
     for (const auto& [medium, law] : surfaces) {
         LoopCase loop = shipped(medium, law);
         loop.grip = light;
@@ -111,7 +111,7 @@ LoopCase shipped_lever(Motors motors, const Grip& grip) {
     return loop;
 }
 
-TEST(ClosedLoop, LeveringWithTheShippedDefaultsShowsNoLimitCycleAtTenMillisecondsAndOnePercentLoss) {
+TEST(ClosedLoop, ShippedLeverDefaultsShowNoLimitCycle) {
     for (const Motors motors : {Motors::six, Motors::three}) {
         for (const Grip& grip : {firm, light}) {
             for (const double jitter : {0.001, 0.005}) {
@@ -131,7 +131,7 @@ TEST(ClosedLoop, LeveringWithTheShippedDefaultsShowsNoLimitCycleAtTenMillisecond
     }
 }
 
-/// All that a hand can press on, in either grip.
+/// All media, moves and grips.
 std::vector<LoopCase> all_shipped() {
     std::vector<LoopCase> all;
     for (const Grip& grip : {firm, light}) {
@@ -151,9 +151,9 @@ std::string named(const LoopCase& loop) {
                                                                         : ", tissue");
 }
 
-// Where the patient rests, a server that is heard every 18 to 95 ms is felt as one that is heard in time: to
-// an encoder's step, and with all of the force all of the time.
-TEST(ClosedLoop, GapsThatAreHeldTakeNothingFromAHandThatHolds) {
+// While the patient rests, a server with messages every 18 to 95 ms feels like one without gaps: to an
+// encoder step, and with full force all the time.
+TEST(ClosedLoop, HeldGapsLeaveSteadyHandUndisturbed) {
     for (LoopCase loop : all_shipped()) {
         loop.gaps = {};
         const HeldHand without = hold_on(loop);
@@ -168,11 +168,11 @@ TEST(ClosedLoop, GapsThatAreHeldTakeNothingFromAHandThatHolds) {
     }
 }
 
-// A second without messages. The force is gone by 0.3 s, the hand sinks in; 0.3 s after the next message the
-// force is what it was and the hand is where it was. The ramp adds at most 0.32 N in 10 ms, and a hand that
-// still sinks in adds some.
-TEST(ClosedLoop, AfterALongGapAllIsBackWithin300msWithoutAJolt) {
-    constexpr std::size_t gone = 305, back = 1000, whole_again = 1300 + 12;  // a step until it is heard of
+// A second without messages. The force is gone by 0.3 s and the hand sinks in; 0.3 s after the next message
+// force and hand are back. The ramp adds at most 0.32 N in 10 ms, and a hand that still sinks in adds some.
+TEST(ClosedLoop, RecoversFromLongGapWithoutJolt) {
+    constexpr std::size_t gone = 305, back = 1000,
+                          whole_again = 1300 + 12;  // one step until the message arrives
     for (LoopCase loop : all_shipped()) {
         const HeldHand without = hold_on(loop);
         loop.gaps = {.shortest = 1.0, .longest = 1.0, .every = 100.0};
@@ -196,8 +196,8 @@ TEST(ClosedLoop, AfterALongGapAllIsBackWithin300msWithoutAJolt) {
     }
 }
 
-/// Most that the hand is away from where it would be, after one gap in which the patient moves off as fast as
-/// the server lets it.
+/// Maximum deviation of the hand after one gap, while the patient moves away at the fastest speed that the
+/// server allows.
 double away_after(LoopCase loop, double gap, float held_share, float silence) {
     loop.patient = {.speed = 0.020, .reach = 0.010};
     const HeldHand without = hold_on(loop);
@@ -207,9 +207,9 @@ double away_after(LoopCase loop, double gap, float held_share, float silence) {
     return compare(hold_on(loop), without).excursion;
 }
 
-// What the fade's begin follows from: until then holding moves the hand less than letting go at 17 to 20 ms,
-// as it was; held on, it moves it more in the end.
-TEST(ClosedLoop, ForcesAreHeldForAsLongAsThatMovesTheHandLessThanLettingGo) {
+// Basis for the start of the fade: until then, holding moves the hand less than releasing at 17 to 20 ms, as
+// before; held longer, it moves the hand more in the end.
+TEST(ClosedLoop, HoldTimeLimitsHandDisplacement) {
     const devices::SafetySettings settings;
     const auto held = static_cast<double>(settings.stale_after());
     for (const LoopCase& loop : all_shipped()) {
@@ -222,8 +222,8 @@ TEST(ClosedLoop, ForcesAreHeldForAsLongAsThatMovesTheHandLessThanLettingGo) {
     }
 }
 
-/// Of a device in a hand with a torque that is late by `delay` as a whole: K < (b + B) / (T / 2 + delay)
-/// (Gil, Sanchez, Hulin, Preusche & Hirzinger 2009), in turning [N m/rad].
+/// For a device in a hand with a torque delayed by `delay` in total: K < (b + B) / (T / 2 + delay) (Gil,
+/// Sanchez, Hulin, Preusche & Hirzinger 2009), rotational [N m/rad].
 double delayed_bound(const Grip& grip, double delay) {
     const HandSettings hand;
     const float damping = hand.device_rotational_damping + grip.share * hand.hand_rotational_damping +
@@ -231,8 +231,8 @@ double delayed_bound(const Grip& grip, double delay) {
     return static_cast<double>(damping) / (0.5e-3 + delay);
 }
 
-// The proxy's turning is the server's, late, but where the wall holds it, it hardly follows the device.
-TEST(ClosedLoop, LeveringUpToTheDelayedBoundShowsNoneWithoutTheControllerEither) {
+// The proxy's rotation is the server's, delayed; while the wall holds it, it hardly follows the device.
+TEST(ClosedLoop, UncontrolledLeverIsStableUpToDelayedBound) {
     for (const Motors motors : {Motors::six, Motors::three}) {
         for (const Grip& grip : {firm, light}) {
             for (const double delay : {0.010, 0.020, 0.050}) {
@@ -248,7 +248,7 @@ TEST(ClosedLoop, LeveringUpToTheDelayedBoundShowsNoneWithoutTheControllerEither)
 }
 
 // The shipped 1.5 N m/rad are seven times that bound in a light grip at 50 ms.
-TEST(ClosedLoop, LeveringFarBeyondTheBoundShowsOneThatTheControllerHolds) {
+TEST(ClosedLoop, ControllerStabilisesLeverBeyondBound) {
     for (const Motors motors : {Motors::six, Motors::three}) {
         LoopCase loop = shipped_lever(motors, light);
         loop.channel = {.delay = 0.050, .jitter = 0.005, .loss = 0.01};
@@ -260,9 +260,9 @@ TEST(ClosedLoop, LeveringFarBeyondTheBoundShowsOneThatTheControllerHolds) {
     }
 }
 
-// The bound of a hand that moves on (FeelsAlmostNothing). By its present speed alone the trailing proxy
+// The bound of a moving hand (FeelsAlmostNothing). Limited by its present speed only, the trailing proxy
 // pulled on it at 0.2 m/s with 0.37 to 0.40 N, and for 32 to 90 ms with more than a tenth of a newton.
-TEST(ClosedLoop, AHandThatStopsInFreeAirIsNotPulledOn) {
+TEST(ClosedLoop, HandStoppingInFreeAirFeelsNoPull) {
     for (const double delay : {0.0, 0.005, 0.010, 0.020, 0.050}) {
         LoopCase loop;
         loop.channel = {delay, 0.1 * delay, delay > 0.0 ? 0.01 : 0.0};
@@ -274,7 +274,7 @@ TEST(ClosedLoop, AHandThatStopsInFreeAirIsNotPulledOn) {
 }
 
 // Two encoder steps over the 1 to 2 mm between the two depths: 5 %.
-TEST(ClosedLoop, RendersTheStiffnessThatIsSet) {
+TEST(ClosedLoop, RendersSetStiffness) {
     for (const auto& [medium, law] : surfaces) {
         const LoopCase loop = shipped(medium, law);
         EXPECT_NEAR(run_loop(loop).rendered, static_cast<double>(loop.stiffness),
@@ -283,9 +283,9 @@ TEST(ClosedLoop, RendersTheStiffnessThatIsSet) {
     }
 }
 
-// On contact that the device knows already the force follows in the next cycle; a new contact has to be heard
-// of: half a round trip out, at most a step of the server, its step, half a round trip back.
-TEST(ClosedLoop, ANewContactIsFeltAfterTheRoundTripAndTwoSteps) {
+// On a known contact the force follows in the next cycle. A new contact takes half a round trip out, at most
+// a step of the server, its step, and half a round trip back.
+TEST(ClosedLoop, NewContactLatencyIsRoundTripAndTwoSteps) {
     for (const double delay : {0.0, 0.010, 0.020}) {
         LoopCase loop;
         loop.channel.delay = delay;

@@ -6,14 +6,14 @@
 #include <thread>
 
 #include "client/app/session_input.hpp"
-#include "client/render/headless_context.hpp"
-#include "client/render/render_target.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/gl/render_target.hpp"
 #include "client/render/scene_renderer.hpp"
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/math/random.hpp"
-#include "server/app/bus_output.hpp"
-#include "server/app/local_operator.hpp"
-#include "server/app/simulation.hpp"
+#include "server/app/output/bus_output.hpp"
+#include "server/app/run/local_operator.hpp"
+#include "server/app/run/simulation.hpp"
 #include "tests/support/bus_domain.hpp"
 
 namespace eti {
@@ -22,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int width = 800, height = 800;
-// No surface of a newborn is of this tissue alone, so that its pixels are the opening's.
+// No other surface of a newborn has this tissue, so that its pixels are the opening's.
 constexpr Tissue opening = Tissue::palate;
 
 /// A newborn under the expert's blade at its best view, on the server's side and, over the bus, on the
@@ -51,17 +51,17 @@ class PictureAgainstRays : public ::testing::Test {
 
     static void lift() {
         const Scenario& scenario = session_->scenario;
-        scene::Inputs inputs = app::parked(scenario, session_->patient);
+        scene::Inputs inputs = app::parked_inputs(scenario, session_->patient);
         app::Simulation simulation(scenario, session_->patient, inputs);
         const OperatorScript script = load_operator(find_data_file("expert", "operators"));
         app::LocalOperator hands(script, simulation.scope(), scenario.tube, script.seed,
                                  simulation.observation());
-        hands.hold(inputs);
+        hands.apply_to(inputs);
         simulation.scene().reset(inputs);
         float best = 0.0f;
         while (!hands.finished() && simulation.time() < 15.0 && best < 75.0f) {
             hands.advance(simulation.observation(), simulation.snapshot());
-            hands.hold(inputs);
+            hands.apply_to(inputs);
             simulation.step(inputs, std::nullopt);
             if (const float seen = simulation.observation().glottic_opening_percent; seen > best) {
                 best = seen;
@@ -74,10 +74,10 @@ class PictureAgainstRays : public ::testing::Test {
         const Session& s = *session_;
         bus::Node server(test::bus_options("eti-server"));
         app::BusOutput output(server, s.scenario, s.patient, make_laryngoscope(s.scenario.blade),
-                              s.scenario.live);
+                              s.scenario.runtime_parameters);
         bus::Node node(test::bus_options("eti-client"));
         client::SessionInput input(node, true, false);
-        // Every frame has been sent anew after 45 states.
+        // After 45 states every frame has been resent.
         scene::Snapshot snapshot = s.snapshot;
         const auto limit = std::chrono::steady_clock::now() + 120s;
         for (int states = 0; states < 120 && std::chrono::steady_clock::now() < limit;) {
@@ -86,10 +86,10 @@ class PictureAgainstRays : public ::testing::Test {
             output.post(snapshot, {});
             output.post_live(snapshot, {});
             std::this_thread::sleep_for(20ms);
-            input.take_into(session_->scene);
+            input.receive_into(session_->scene);
             states += session_->scene.complete() ? 1 : 0;
         }
-        // What the hand feels leaves by another way.
+        // Haptic output is published separately.
         msg::ProxyState held;
         held.header(bus::make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
         held.proxy(bus::to_msg(snapshot.proxy));
@@ -97,13 +97,13 @@ class PictureAgainstRays : public ::testing::Test {
         session_->scene.update();
     }
 
-    /// Of the client's scene, what carries the disc: as good as any.
+    /// Any object of the client's scene may carry the disc.
     struct SceneFrame {
         FrameMap map = frame_map(session_->scene.frames()[0], session_->patient.frame_rest_centre[0]);
     };
 
-    /// The opening as a disc that lies as far before the contour as the rays' tolerance leaves out, as one
-    /// more object of the scene.
+    /// The opening as a disc, as an additional object of the scene; it lies before the contour by the rays'
+    /// tolerance.
     [[nodiscard]] static msg::SceneDescription disc(const Vec3f& eye) {
         constexpr float tolerance = metrics::GlotticViewer::Settings{}.tolerance;
         std::vector<Vec3f> points = session_->snapshot.glottis_contour;
@@ -137,10 +137,10 @@ class PictureAgainstRays : public ::testing::Test {
         return object;
     }
 
-    /// What the eye sees, through a glass that fills the picture with the larynx.
+    /// The eye's view, magnified so that the larynx fills the picture.
     [[nodiscard]] static render::Camera close_up(const view::SceneView& scene, const render::Vantage& from) {
         render::Camera camera = render::eye_camera(from.eye, scene.landmarks());
-        camera.vertical_field = 2.5f * degree;
+        camera.vertical_fov = 2.5f * degree;
         return camera;
     }
 
@@ -164,7 +164,7 @@ class PictureAgainstRays : public ::testing::Test {
         return pixels;
     }
 
-    /// Pixels of the disc where nothing hides it: the area of its image.
+    /// Pixels of the unoccluded disc: the area of its image.
     [[nodiscard]] static float disc_pixels(const msg::SceneDescription& object,
                                            const render::Camera& camera) {
         const Eigen::Matrix4f matrix = camera.projection(1.0f) * camera.view();
@@ -183,7 +183,7 @@ class PictureAgainstRays : public ::testing::Test {
         return 0.5f * std::abs(twice);
     }
 
-    /// Share of the opening [%] that the trainee's picture shows.
+    /// Share of the opening [%] visible in the trainee's picture.
     [[nodiscard]] static float pictured(const view::TraineeEye& eye) {
         const auto object = disc(eye.position(session_->scene.landmarks()));
         view::SceneView whole = session_->scene;
@@ -196,7 +196,7 @@ class PictureAgainstRays : public ::testing::Test {
     }
 
     [[nodiscard]] static float measured(const view::TraineeEye& eye) {
-        return session_->viewer.look(session_->snapshot, eye.position(session_->snapshot.landmarks))
+        return session_->viewer.evaluate(session_->snapshot, eye.position(session_->snapshot.landmarks))
             .opening_percent;
     }
 
@@ -205,25 +205,24 @@ class PictureAgainstRays : public ::testing::Test {
 
 PictureAgainstRays::Session* PictureAgainstRays::session_ = nullptr;
 
-TEST_F(PictureAgainstRays, TheSameShareIsSeenFromSeededEyes) {
+TEST_F(PictureAgainstRays, VisibleShareMatchesForRandomEyes) {
     Random random(19);
     float lowest = 100.0f, highest = 0.0f;
     for (int i = 0; i < 12; ++i) {
         const Vec3f offset(10e-3f * random.normal(), 10e-3f * random.normal(), 30e-3f * random.normal());
         const view::TraineeEye eye(offset);
         const float rays = measured(eye), picture = pictured(eye);
-        // 800 samples along a rim that is hidden in part: their steps are well under a per cent, pixels
-        // finer.
+        // 800 samples along a partly hidden rim: their steps are well under a per cent, pixels finer.
         EXPECT_NEAR(picture, rays, 3.0f) << "eye moved by " << 1e3f * offset.transpose() << " mm";
         lowest = std::min(lowest, rays);
         highest = std::max(highest, rays);
     }
-    // Else the poses would tell nothing.
+    // Otherwise the poses would prove nothing.
     EXPECT_GT(highest, 50.0f);
     EXPECT_LT(lowest, highest - 20.0f);
 }
 
-TEST_F(PictureAgainstRays, AnEyeMovedByTenMillimetresSeesOtherwiseInBoth) {
+TEST_F(PictureAgainstRays, VisibilityChangeMatchesForMovedEye) {
     const view::TraineeEye best;
     ASSERT_GT(measured(best), 50.0f);
     float most = 0.0f;

@@ -6,12 +6,12 @@
 
 #include <vector>
 
-#include "client/app/special_keys.hpp"
+#include "client/app/window/special_keys.hpp"
 
 namespace eti::client {
 namespace {
 
-render::Picked on(const std::string& object, std::uint32_t triangle) {
+render::PickHit on(const std::string& object, std::uint32_t triangle) {
     return {Vec3f::Zero(), "tongue", object, {triangle, 0.1f, 0.2f, 0.0f}};
 }
 
@@ -38,7 +38,7 @@ class AnnotatorTest : public ::testing::Test {
                          }};
 };
 
-TEST_F(AnnotatorTest, AClickIsAPoint) {
+TEST_F(AnnotatorTest, ClickSendsPoint) {
     annotator_.begin(on("tongue", 5));
     EXPECT_TRUE(annotator_.sketch());
     annotator_.end();
@@ -52,12 +52,12 @@ TEST_F(AnnotatorTest, AClickIsAPoint) {
     EXPECT_EQ(sent_.size(), 1u);
 }
 
-TEST_F(AnnotatorTest, ADragIsALineThatEndsAtItsObjectsEdge) {
+TEST_F(AnnotatorTest, DragSendsOneStrokePerObject) {
     annotator_.begin(on("tongue", 1));
-    annotator_.lead(on("tongue", 2));
-    annotator_.lead(std::nullopt);  // into the air
-    annotator_.lead(on("body", 7));
-    annotator_.lead(on("body", 8));
+    annotator_.extend(on("tongue", 2));
+    annotator_.extend(std::nullopt);  // into the air
+    annotator_.extend(on("body", 7));
+    annotator_.extend(on("body", 8));
     annotator_.end();
     ASSERT_EQ(sent_.size(), 2u);
     EXPECT_EQ(sent_[0].kind(), msg::ANNOTATION_STROKE);
@@ -66,10 +66,10 @@ TEST_F(AnnotatorTest, ADragIsALineThatEndsAtItsObjectsEdge) {
     EXPECT_EQ(triangles(1), (std::vector<std::uint32_t>{7, 8}));
 }
 
-TEST_F(AnnotatorTest, ALongLineGoesOnInAnotherMessageFromWhereItEnded) {
+TEST_F(AnnotatorTest, LongStrokeIsSplitIntoConnectedMessages) {
     annotator_.begin(on("tongue", 0));
     for (std::uint32_t i = 1; i < 100; ++i) {
-        annotator_.lead(on("tongue", i));
+        annotator_.extend(on("tongue", i));
     }
     annotator_.end();
     ASSERT_EQ(sent_.size(), 3u);
@@ -79,20 +79,20 @@ TEST_F(AnnotatorTest, ALongLineGoesOnInAnotherMessageFromWhereItEnded) {
     EXPECT_EQ(triangles(2).back(), 99u);
 }
 
-TEST_F(AnnotatorTest, SaysWhatCannotBeMarked) {
-    annotator_.begin(render::Picked{Vec3f::Zero(), "tube"});
-    EXPECT_EQ(annotator_.take_trouble(), "the tube bears no marks: point at tissue or at the blade");
+TEST_F(AnnotatorTest, ExplainsRejectedMarks) {
+    annotator_.begin(render::PickHit{Vec3f::Zero(), "tube"});
+    EXPECT_EQ(annotator_.take_error(), "the tube bears no marks: point at tissue or at the blade");
     annotator_.begin(std::nullopt);
-    EXPECT_EQ(annotator_.take_trouble(), "nothing is there to be marked");
+    EXPECT_EQ(annotator_.take_error(), "nothing is there to be marked");
     annotator_.end();
     EXPECT_TRUE(sent_.empty());
     served_ = false;
     annotator_.wipe();
-    EXPECT_EQ(annotator_.take_trouble(), "no server takes remarks or marks");
-    EXPECT_EQ(annotator_.take_trouble(), "");
+    EXPECT_EQ(annotator_.take_error(), "no server takes remarks or marks");
+    EXPECT_EQ(annotator_.take_error(), "");
 }
 
-TEST_F(AnnotatorTest, WordsAreSentByEnterAndForgottenByEscape) {
+TEST_F(AnnotatorTest, EnterSendsTextAndEscapeDiscardsIt) {
     type(U"lost");
     annotator_.write();
     ASSERT_TRUE(annotator_.writing());
@@ -112,13 +112,13 @@ TEST_F(AnnotatorTest, WordsAreSentByEnterAndForgottenByEscape) {
     annotator_.write();
     annotator_.press(key_enter);
     EXPECT_EQ(sent_.size(), 1u);
-    // As many bytes as a message holds, and no half of a letter.
+    // As many bytes as a message holds, without splitting a character.
     annotator_.write();
     type(std::u32string(150, U'\u00e9'));
     EXPECT_EQ(annotator_.words().size(), msg::bound::Annotation_text);
 }
 
-TEST_F(AnnotatorTest, WhatIsBeingWrittenStandsBesideThePoint) {
+TEST_F(AnnotatorTest, TypedTextIsSentWithPoint) {
     annotator_.write();
     type(U"lift here");
     annotator_.begin(on("tongue", 5));

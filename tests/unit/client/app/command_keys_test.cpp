@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/command_keys.hpp"
+#include "client/app/window/command_keys.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "client/app/selection.hpp"
+#include "client/app/window/selection.hpp"
 #include "common/math/units.hpp"
 
 namespace eti {
@@ -20,30 +20,31 @@ using client::command_key;
 class CommandKeys : public ::testing::Test {
   protected:
     // The value that a key sends, NaN if it sends nothing.
-    float press(char32_t key, client::CommandTyping::Time::duration when, bool repeated = false) {
+    float press(char32_t key, client::CommandKeyMapper::Time::duration when, bool repeated = false) {
         const auto command =
-            typing_.press(*command_key(key), repeated, patient_, client::CommandTyping::Time(when));
+            typing_.press(*command_key(key), repeated, patient_, client::CommandKeyMapper::Time(when));
         return command ? command->value : std::numeric_limits<float>::quiet_NaN();
     }
 
-    client::CommandTyping typing_;
-    LiveValues patient_{.head_elevation = 10.0f * degree};
+    client::CommandKeyMapper typing_;
+    RuntimeParameters patient_{.head_elevation = 10.0f * degree};
 };
 
-TEST_F(CommandKeys, EachIsFreeAndNamesACommandThatThereIs) {
+TEST_F(CommandKeys, AreUniqueAndNameExistingCommands) {
     std::set<char32_t> taken{U'h', U'?'};
     for (const client::Selection& one : client::selections()) {
         taken.insert(static_cast<char32_t>(one.key));
     }
     for (const client::CommandKey& key : client::command_keys()) {
         EXPECT_TRUE(taken.insert(key.key).second) << key.caption;
-        EXPECT_TRUE(key.stroke == client::Stroke::once || live_field(key.command) != nullptr) << key.command;
+        EXPECT_TRUE(key.action == client::KeyAction::once || find_runtime_parameter(key.command) != nullptr)
+            << key.command;
         EXPECT_FALSE(key.help.empty()) << key.caption;
     }
     EXPECT_EQ(command_key(U'q'), nullptr);
 }
 
-TEST_F(CommandKeys, StepsGoOnFromWhatWasAskedForAndLaterFromThePatient) {
+TEST_F(CommandKeys, StepFromRequestThenFromPatientState) {
     EXPECT_FLOAT_EQ(press(client::key_up, 10s), 11.0f * degree);
     // The patient has not followed yet.
     EXPECT_FLOAT_EQ(press(client::key_up, 10'200ms), 12.0f * degree);
@@ -53,7 +54,7 @@ TEST_F(CommandKeys, StepsGoOnFromWhatWasAskedForAndLaterFromThePatient) {
     EXPECT_FLOAT_EQ(press(client::key_up, 12s), 21.0f * degree);
 }
 
-TEST_F(CommandKeys, AHeldKeyStepsAtTheRateOfANursesHands) {
+TEST_F(CommandKeys, HeldKeyStepsAtPostureRate) {
     int steps = 0;
     (void)press(U']', 10s);
     for (int i = 1; i <= 60; ++i) {
@@ -63,16 +64,16 @@ TEST_F(CommandKeys, AHeldKeyStepsAtTheRateOfANursesHands) {
     EXPECT_EQ(steps, 15);
 }
 
-TEST_F(CommandKeys, NothingIsSentBeyondTheRangeOrFromNowhere) {
+TEST_F(CommandKeys, SendNothingOutsideRangeOrFromUnknownValue) {
     EXPECT_TRUE(std::isnan(press(client::key_left, 10s))) << "the jaw is closed";
-    const LiveField& jaw = *live_field("jaw_opening");
+    const RuntimeParameterField& jaw = *find_runtime_parameter("jaw_opening");
     patient_.jaw_opening = jaw.high * jaw.per_unit - 0.5f * degree;
     EXPECT_FLOAT_EQ(press(client::key_right, 20s), jaw.high * jaw.per_unit);
     patient_.table_angle = std::numeric_limits<float>::quiet_NaN();
     EXPECT_TRUE(std::isnan(press(U'[', 10s)));
 }
 
-TEST_F(CommandKeys, AFlipTurnsOnAndOff) {
+TEST_F(CommandKeys, ToggleTurnsOnAndOff) {
     EXPECT_EQ(press(U'e', 10s), 1.0f);
     EXPECT_EQ(press(U'e', 10'100ms), 0.0f) << "before the server has said so";
     EXPECT_TRUE(std::isnan(press(U'e', 10'200ms, true))) << "held";

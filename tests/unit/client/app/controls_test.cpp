@@ -19,19 +19,19 @@ using Commands = std::vector<std::string>;
 
 class ControlsTest : public ::testing::Test {
   protected:
-    // Takes what comes until `enough`, or until only a hang is left.
+    // Processes input until `enough`, or until the timeout.
     void follow(const std::function<bool()>& enough) {
         const auto limit = std::chrono::steady_clock::now() + 120s;
         while (!enough() && std::chrono::steady_clock::now() < limit) {
-            input_.take_into(scene_);
-            controls_.tend(now_);
+            input_.receive_into(scene_);
+            controls_.update(now_);
             input_.wait(10ms);
         }
     }
     void press(char32_t key) { controls_.press(key, false, scene_, now_); }
     [[nodiscard]] std::string notice(const client::Controls& controls) const {
         hud::Readout readout;
-        controls.put_into(readout, now_);
+        controls.add_to(readout, now_);
         return readout.notice;
     }
 
@@ -43,14 +43,14 @@ class ControlsTest : public ::testing::Test {
     client::Controls::Time now_ = client::Controls::Time(100s);
 };
 
-TEST_F(ControlsTest, TheTraineesKeysReachTheServerAndRefusalsTheScreen) {
+TEST_F(ControlsTest, KeysReachServerAndRefusalsAreShown) {
     synthetic::SyntheticServer server(1e9);
-    follow([&] { return scene_.metrics() && sender_.served(); });
+    follow([&] { return scene_.metrics() && sender_.has_server(); });
     press(client::key_up);
     press(client::key_up);
     press(U'[');
     press(U's');
-    controls_.let_go(now_);
+    controls_.release_all_keys(now_);
     follow([&] { return sender_.accepted() == 5; });
     EXPECT_EQ(server.commands(), (Commands{"head_elevation 0.017", "head_elevation 0.035",
                                            "table_angle -0.017", "suction 1.000", "suction 0.000"}));
@@ -65,9 +65,9 @@ TEST_F(ControlsTest, TheTraineesKeysReachTheServerAndRefusalsTheScreen) {
     EXPECT_EQ(notice(controls_), "");
 }
 
-TEST_F(ControlsTest, TheEnhancedViewGoesOnAndOffForAllWhoListen) {
+TEST_F(ControlsTest, EnhancedViewTogglesForAllClients) {
     synthetic::SyntheticServer server(1e9);
-    follow([&] { return scene_.metrics() && sender_.served(); });
+    follow([&] { return scene_.metrics() && sender_.has_server(); });
     EXPECT_EQ(controls_.selection().views(scene_).size(), 3u);
     press(U'e');
     follow([&] { return scene_.enhanced(); });
@@ -78,10 +78,10 @@ TEST_F(ControlsTest, TheEnhancedViewGoesOnAndOffForAllWhoListen) {
     EXPECT_EQ(controls_.selection().views(scene_).size(), 3u);
 }
 
-TEST_F(ControlsTest, AnotherSendersAnswersAreNotTaken) {
+TEST_F(ControlsTest, IgnoresAnswersToOtherSenders) {
     synthetic::SyntheticServer server(1e9);
     bus::CommandSender other(node_, "another");
-    follow([&] { return scene_.metrics() && sender_.served() && other.served(); });
+    follow([&] { return scene_.metrics() && sender_.has_server() && other.has_server(); });
     ASSERT_TRUE(other.send(server.refused, 1.0f));
     press(U'[');
     follow([&] { return sender_.accepted() == 1; });
@@ -95,23 +95,23 @@ TEST_F(ControlsTest, AnotherSendersAnswersAreNotTaken) {
     EXPECT_EQ(notice(controls_), "");
 }
 
-TEST_F(ControlsTest, AnObserverSendsNothing) {
+TEST_F(ControlsTest, ObserverSendsNothing) {
     synthetic::SyntheticServer server(1e9);
     client::Controls observer(client::default_selection(), nullptr);
-    follow([&] { return scene_.metrics() && sender_.served(); });
+    follow([&] { return scene_.metrics() && sender_.has_server(); });
     for (const client::CommandKey& key : client::command_keys()) {
         observer.press(key.key, false, scene_, now_);
         observer.release(key.key, now_);
     }
-    observer.let_go(now_);
+    observer.release_all_keys(now_);
     EXPECT_EQ(notice(observer), "an observer gives no commands");
-    // What comes later shows that nothing came before.
+    // A later event proves that no earlier one came.
     press(U'[');
     follow([&] { return sender_.accepted() == 1; });
     EXPECT_EQ(server.commands(), Commands{"table_angle -0.017"});
 }
 
-TEST_F(ControlsTest, AnInstructorPointsDrawsAndWrites) {
+TEST_F(ControlsTest, InstructorPointsDrawsAndWrites) {
     synthetic::fill(scene_, synthetic::make_scene());
     std::vector<msg::Annotation> sent;
     client::Annotator annotator("desk:7", [&](const msg::Annotation& one) {
@@ -119,9 +119,9 @@ TEST_F(ControlsTest, AnInstructorPointsDrawsAndWrites) {
         return true;
     });
     client::Controls instructor(*client::selection_named("overview"), nullptr);
-    instructor.annotate_with(annotator);
+    instructor.set_annotator(annotator);
     constexpr int width = 640, height = 360;
-    // Where the tongue's patient is: the upper gum, a little towards the forehead.
+    // Location of the tongue's patient: the upper gum, a little towards the forehead.
     const render::Camera camera = render::view_named("overview")->camera(scene_, {});
     const Vec3f forehead(0.0f, -0.005f, 0.05f);
     const Vec3f clip =
@@ -146,8 +146,8 @@ TEST_F(ControlsTest, AnInstructorPointsDrawsAndWrites) {
     EXPECT_EQ(sent[0].kind(), msg::ANNOTATION_POINT);
     EXPECT_EQ(sent[0].object().to_string(), "body");
     act(client::Drag::Mark::begins, 0.0f);
-    act(client::Drag::Mark::goes_on, 2.0f);
-    act(client::Drag::Mark::goes_on, 6.0f);
+    act(client::Drag::Mark::continues, 2.0f);
+    act(client::Drag::Mark::continues, 6.0f);
     act(client::Drag::Mark::ends, 0.0f);
     ASSERT_EQ(sent.size(), 2u);
     EXPECT_EQ(sent[1].kind(), msg::ANNOTATION_STROKE);
@@ -163,7 +163,7 @@ TEST_F(ControlsTest, AnInstructorPointsDrawsAndWrites) {
     EXPECT_EQ(sent[2].text().to_string(), "so");
     instructor.press(U'z', false, scene_, now_);
     EXPECT_EQ(sent.at(3).kind(), msg::ANNOTATION_CLEAR);
-    // An observer does none of this.
+    // An observer can do none of this.
     client::Controls observer(*client::selection_named("overview"), nullptr);
     mouse.mark = client::Drag::Mark::begins;
     observer.drag(mouse, scene_, width, height, now_);
@@ -172,7 +172,7 @@ TEST_F(ControlsTest, AnInstructorPointsDrawsAndWrites) {
     EXPECT_EQ(observer.vantage().orbit.azimuth, render::Vantage().orbit.azimuth);
 }
 
-TEST_F(ControlsTest, WhoIsNotTheTraineeLooksThroughTheTraineesEye) {
+TEST_F(ControlsTest, NonTraineeCanFollowTraineeEye) {
     const synthetic::Scene source = synthetic::make_scene();
     synthetic::fill(scene_, source);
     auto metrics = synthetic::metrics(source, 2'000'000, 40.0f);
@@ -180,8 +180,8 @@ TEST_F(ControlsTest, WhoIsNotTheTraineeLooksThroughTheTraineesEye) {
     metrics.eye().position().z(0.3f);
     metrics.eye().orientation().w(1.0f);
     ASSERT_TRUE(scene_.apply(metrics));
-    client::Controls instructor(client::instructors_selection(), nullptr);
-    instructor.watch_trainee(true);
+    client::Controls instructor(client::instructor_selection(), nullptr);
+    instructor.allow_trainee_view(true);
     instructor.follow(scene_);
     EXPECT_EQ(instructor.vantage().eye.position(scene_.landmarks()), Vec3f(0.0f, 0.0f, 0.3f));
     instructor.press(U't', false, scene_, now_);
@@ -193,7 +193,7 @@ TEST_F(ControlsTest, WhoIsNotTheTraineeLooksThroughTheTraineesEye) {
     EXPECT_EQ(controls_.vantage().eye.position(scene_.landmarks()), best_eye(scene_.landmarks()));
 }
 
-TEST_F(ControlsTest, SaysWhenNobodyTakesCommands) {
+TEST_F(ControlsTest, ReportsThatNoServerTakesCommands) {
     press(client::key_up);
     EXPECT_EQ(notice(controls_), "no server has said yet how its patient is");
     synthetic::fill(scene_, synthetic::make_scene());
@@ -201,27 +201,27 @@ TEST_F(ControlsTest, SaysWhenNobodyTakesCommands) {
     EXPECT_EQ(notice(controls_), "no server takes commands");
 }
 
-TEST_F(ControlsTest, ChoosesViewsAndShowsTheKeys) {
+TEST_F(ControlsTest, SelectsViewsAndTogglesKeyHelp) {
     for (const client::Selection& one : client::selections()) {
         press(static_cast<char32_t>(one.key));
         EXPECT_EQ(&controls_.selection(), &one);
     }
     hud::Readout readout;
-    controls_.put_into(readout, now_);
+    controls_.add_to(readout, now_);
     EXPECT_TRUE(readout.keys.empty());
     press(U'h');
-    controls_.put_into(readout, now_);
+    controls_.add_to(readout, now_);
     EXPECT_EQ(readout.keys, client::keys_help(true));
     press(U'?');
     readout = {};
-    controls_.put_into(readout, now_);
+    controls_.add_to(readout, now_);
     EXPECT_TRUE(readout.keys.empty());
-    // An observer has one key of its own, that to the trainee's eye.
+    // An observer has one key of its own: to the trainee's eye.
     EXPECT_EQ(client::keys_help(true).size() + 1,
               client::keys_help(false).size() + client::command_keys().size());
 }
 
-TEST(Options, HelpSaysTheKeys) {
+TEST(Options, HelpListsKeys) {
     client::Options options;
     char program[] = "eti-client", help[] = "--help";
     char* arguments[] = {program, help};

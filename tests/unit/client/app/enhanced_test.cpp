@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "client/app/aids.hpp"
-#include "client/app/compositor.hpp"
-#include "client/render/headless_context.hpp"
-#include "common/bus/session_keys.hpp"
+#include "client/app/window/compositor.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "common/bus/security/session_keys.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -16,32 +16,32 @@ namespace {
 
 constexpr int enhanced_width = 640, enhanced_height = 360;
 
-// What the session's enhanced view changes, in drawn pixels.
+// Effect of the session's enhanced view on drawn pixels.
 class EnhancedView : public ::testing::Test {
   protected:
     void SetUp() override { synthetic::fill(scene_, source_); }
 
     void say(bool enhanced, float gum_force) {
-        LiveValues live;
+        RuntimeParameters live;
         live.view_enhanced = enhanced ? 1.0f : 0.0f;
         say(live, gum_force);
     }
-    void say(const LiveValues& live, float gum_force) {
+    void say(const RuntimeParameters& live, float gum_force) {
         auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
-        bus::put_live(live, metrics);
+        bus::set_runtime_parameters(live, metrics);
         metrics.gum_force_n(gum_force);
         ASSERT_TRUE(scene_.apply(metrics));
     }
     [[nodiscard]] render::Image picture(std::string_view selection) {
         hud::Readout nothing_said;
-        nothing_said.link = hud::Link::running;
+        nothing_said.link = hud::ServerLink::running;
         compositor_.draw(client::selection_named(selection)->views(scene_), scene_, nothing_said, {}, false);
         return compositor_.target().read();
     }
     static bool differs(const render::Image& a, const render::Image& b, int x, int y) {
         return std::memcmp(a.pixel(x, y), b.pixel(x, y), 3) != 0;
     }
-    // Pixels that differ, and of those the ones at least `distance` from (x, y).
+    // Number of pixels that differ, and how many of them are at least `distance` from (x, y).
     static std::pair<int, int> changed(const render::Image& a, const render::Image& b,
                                        const Eigen::Vector2f& about, float distance) {
         int all = 0, far = 0;
@@ -73,7 +73,7 @@ class EnhancedView : public ::testing::Test {
     client::Compositor compositor_{enhanced_width, enhanced_height, render::qualities().front()};
 };
 
-TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
+TEST_F(EnhancedView, AddsSectionBesideSelectedViews) {
     say(false, 1.0f);
     const render::Image plain = picture("auto");
     say(true, 1.0f);
@@ -95,7 +95,7 @@ TEST_F(EnhancedView, BringsTheSectionBesideWhatIsShownAnyway) {
     EXPECT_EQ(picture("auto").rgba, plain.rgba) << "off again";
 }
 
-TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
+TEST_F(EnhancedView, ColoursGumMarkByForceInEveryView) {
     for (const render::View& view : render::views()) {
         if (!view.has(render::Overlay::gum_force)) {
             continue;
@@ -106,7 +106,7 @@ TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
         const int x = static_cast<int>(std::lround(gum.x())), y = static_cast<int>(std::lround(gum.y()));
         ASSERT_TRUE(x > 0 && x < enhanced_width && y > 0 && y < enhanced_height) << view.name;
         for (const auto& [force, red] : {std::pair{1.0f, false}, std::pair{5.0f, true}}) {
-            LiveValues mark_alone;
+            RuntimeParameters mark_alone;
             mark_alone.view_gum_force = 1.0f;
             say(mark_alone, force);
             const render::Image marked = picture(view.name);
@@ -120,28 +120,29 @@ TEST_F(EnhancedView, MarksTheGumInTheColourOfItsForceInEveryView) {
     }
 }
 
-TEST_F(EnhancedView, EachAidComesByItself) {
+TEST_F(EnhancedView, EachAidIsIndependent) {
     struct Case {
-        float LiveValues::*aid;
+        float RuntimeParameters::*aid;
         std::string_view view;
     };
-    for (const auto& [aid, view] :
-         {Case{&LiveValues::view_gum_force, "overview"}, Case{&LiveValues::view_sight_line, "section"},
-          Case{&LiveValues::view_axes, "section"}}) {
-        const auto with = [&](float LiveValues::*shown) {
-            LiveValues live;
+    for (const auto& [aid, view] : {Case{&RuntimeParameters::view_gum_force, "overview"},
+                                    Case{&RuntimeParameters::view_sight_line, "section"},
+                                    Case{&RuntimeParameters::view_axes, "section"}}) {
+        const auto with = [&](float RuntimeParameters::*shown) {
+            RuntimeParameters live;
             live.*shown = 1.0f;
             say(live, 1.0f);
             return picture(view);
         };
-        say(LiveValues{}, 1.0f);
+        say(RuntimeParameters{}, 1.0f);
         const render::Image plain = picture(view), alone = with(aid);
         const int by_itself = changed(plain, alone, Eigen::Vector2f::Zero(), 0.0f).first;
         EXPECT_GT(by_itself, 60) << view;
-        EXPECT_GT(changed(plain, with(&LiveValues::view_enhanced), Eigen::Vector2f::Zero(), 0.0f).first,
-                  by_itself)
+        EXPECT_GT(
+            changed(plain, with(&RuntimeParameters::view_enhanced), Eigen::Vector2f::Zero(), 0.0f).first,
+            by_itself)
             << view;
-        for (const LiveField& field : live_fields) {
+        for (const RuntimeParameterField& field : runtime_parameter_fields) {
             if (field.on_off && field.value != aid) {
                 EXPECT_TRUE(with(field.value).rgba != alone.rgba) << field.name;
             }
@@ -149,7 +150,7 @@ TEST_F(EnhancedView, EachAidComesByItself) {
     }
 }
 
-TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
+TEST_F(EnhancedView, MarksGumAtContactPoint) {
     msg::ProxyState proxy = synthetic::proxy(source_, 3'000'000);
     const Vec3f gum = at(scene_.landmarks(), Landmark::upper_gum);
     const Vec3f pressed = gum + Vec3f(6e-3f, 0.0f, 0.0f);
@@ -163,8 +164,8 @@ TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
     ASSERT_TRUE(scene_.apply(proxy));
     say(true, 5.0f);
     const render::View& view = *render::view_named("overview");
-    const auto marks = client::aids_of(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
-                                       {"overview", 0, 0, enhanced_width, enhanced_height});
+    const auto marks = client::aid_marks(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
+                                         {"overview", 0, 0, enhanced_width, enhanced_height});
     const auto mark = std::ranges::find(marks, "5.0 N", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     const Eigen::Vector2f there = pixel_of(pressed, "overview");
@@ -173,8 +174,8 @@ TEST_F(EnhancedView, TheGumIsMarkedWhereItIsPressed) {
     EXPECT_EQ(mark->level, hud::Level::bad);
 }
 
-TEST_F(EnhancedView, TheGlottisIsTintedAsFarAsNothingCoversIt) {
-    // A square of 4 mm, at a distance from the eye on its way to the glottis: in the open air, or behind the
+TEST_F(EnhancedView, TintsVisiblePartOfGlottis) {
+    // A square of 4 mm, at a distance from the eye on the line to the glottis: in open air, or behind the
     // head.
     const render::View& view = *render::view_named("eye");
     const render::Camera camera = view.camera(scene_, {});
@@ -190,9 +191,9 @@ TEST_F(EnhancedView, TheGlottisIsTintedAsFarAsNothingCoversIt) {
             point.z(p.z());
         }
         const auto drawn = [&](float shown) {
-            LiveValues live;
+            RuntimeParameters live;
             live.view_glottis = shown;
-            bus::put_live(live, metrics);
+            bus::set_runtime_parameters(live, metrics);
             EXPECT_TRUE(scene_.apply(metrics));
             return picture("eye");
         };
@@ -207,7 +208,7 @@ TEST_F(EnhancedView, TheGlottisIsTintedAsFarAsNothingCoversIt) {
     EXPECT_EQ(tinted(1.0f), 0) << "behind the head";
 }
 
-TEST_F(EnhancedView, DrawsTheLineOfSightInTheSection) {
+TEST_F(EnhancedView, DrawsLineOfSightInSection) {
     say(false, 1.0f);
     const render::Image plain = picture("section");
     say(true, 1.0f);
@@ -230,15 +231,15 @@ TEST_F(EnhancedView, DrawsTheLineOfSightInTheSection) {
         }
     }
     ASSERT_GT(along, 50);
-    // Dots and what is written beside them cover some of it.
+    // Dots and their labels cover some of it.
     EXPECT_GT(drawn, along * 3 / 4);
 }
 
-// Numbers of a server that is lost are not those of now.
+// The last numbers of a lost server are outdated.
 TEST_F(EnhancedView, StaleNumbersAreDimmed) {
     say(false, 5.0f);
-    const auto brightest = [&](hud::Link link) {
-        hud::Readout readout = hud::readout_of(scene_, link == hud::Link::lost);
+    const auto brightest = [&](hud::ServerLink link) {
+        hud::Readout readout = hud::make_readout(scene_, link == hud::ServerLink::lost);
         EXPECT_EQ(readout.link, link);
         // In the upper left.
         compositor_.draw(client::selection_named("section")->plain, scene_, readout, {}, false);
@@ -251,23 +252,23 @@ TEST_F(EnhancedView, StaleNumbersAreDimmed) {
         }
         return most;
     };
-    EXPECT_GT(brightest(hud::Link::running), 200);
-    EXPECT_LT(brightest(hud::Link::lost), 170);
+    EXPECT_GT(brightest(hud::ServerLink::running), 200);
+    EXPECT_LT(brightest(hud::ServerLink::lost), 170);
 }
 
-TEST_F(EnhancedView, ANoteIsShownForAWhile) {
+TEST_F(EnhancedView, NoteExpires) {
     say(false, 1.0f);
     msg::ShownAnnotation note;
     note.header().simulation_time_ns(1'000'000);
     note.what().kind(msg::ANNOTATION_NOTE);
     note.what().text("sweep the tongue aside");
     ASSERT_TRUE(scene_.apply(note));
-    EXPECT_EQ(hud::readout_of(scene_, false).note, "sweep the tongue aside");
+    EXPECT_EQ(hud::make_readout(scene_, false).note, "sweep the tongue aside");
     ASSERT_TRUE(scene_.apply(synthetic::deformation(source_, 16'000'000'000, 0.0f, 0.0f)));
-    EXPECT_EQ(hud::readout_of(scene_, false).note, "");
+    EXPECT_EQ(hud::make_readout(scene_, false).note, "");
 }
 
-TEST_F(EnhancedView, WhatWasWrittenStandsBesideItsPoint) {
+TEST_F(EnhancedView, AnnotationTextIsDrawnAtItsPoint) {
     say(false, 1.0f);
     msg::ShownAnnotation shown;
     shown.what().kind(msg::ANNOTATION_POINT);
@@ -276,16 +277,16 @@ TEST_F(EnhancedView, WhatWasWrittenStandsBesideItsPoint) {
     shown.what().places().emplace_back().triangle(9);
     ASSERT_TRUE(scene_.apply(shown));
     const render::View& view = *render::view_named("overview");
-    const auto marks = client::aids_of(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
-                                       {"overview", 0, 0, enhanced_width, enhanced_height});
+    const auto marks = client::aid_marks(view, view.camera(scene_, {}), scene_, {}, std::nullopt,
+                                         {"overview", 0, 0, enhanced_width, enhanced_height});
     const auto mark = std::ranges::find(marks, "lift here", &hud::Mark::text);
     ASSERT_NE(mark, marks.end());
     EXPECT_TRUE(mark->bare);
-    const Vec3f where = *view::where_now(scene_, "tongue", {9, 0.0f, 0.0f, 0.0f});
+    const Vec3f where = *view::current_position(scene_, "tongue", {9, 0.0f, 0.0f, 0.0f});
     EXPECT_LT((mark->from - pixel_of(where, "overview")).norm(), 0.1f);
 }
 
-TEST_F(EnhancedView, WhoAsksForAViewKeepsIt) {
+TEST_F(EnhancedView, KeepsExplicitlySelectedViews) {
     for (const client::Selection& one : client::selections()) {
         say(false, 1.0f);
         const client::Views plain = one.views(scene_);

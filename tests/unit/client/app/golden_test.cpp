@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 
-// Each overlay of the enhanced view, and each role, as it is kept in golden/: one table of name, view and
-// what the session says. A picture differs where its overlay does; how drivers draw the scene below does not
-// count.
+// Each overlay of the enhanced view, and each role, against golden/: one table of name, view and session
+// state. Pictures are compared where the overlay is drawn; differences between drivers in the scene below do
+// not count.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -11,15 +11,15 @@
 #include <string>
 
 #include "client/app/aids.hpp"
-#include "client/app/command_keys.hpp"
-#include "client/app/compositor.hpp"
-#include "client/app/eye_compositor.hpp"
-#include "client/app/headset_panel.hpp"
+#include "client/app/headset/eye_compositor.hpp"
+#include "client/app/headset/headset_panel.hpp"
+#include "client/app/window/command_keys.hpp"
+#include "client/app/window/compositor.hpp"
 #include "client/hmd/room.hpp"
-#include "client/panel/drawing.hpp"
-#include "client/render/headless_context.hpp"
-#include "client/render/pick.hpp"
-#include "common/bus/session_keys.hpp"
+#include "client/panel/panel_renderer.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/views/pick.hpp"
+#include "common/bus/security/session_keys.hpp"
 #include "synthetic_scene.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/golden.hpp"
@@ -31,10 +31,10 @@ using client::Selection;
 
 constexpr std::uint64_t now_ns = 24'300'000'000;
 
-// What a session says at one moment, for one picture.
+// The session's state at one moment, for one picture.
 class Moment {
   public:
-    /// `shapes`: to which all of `source` was applied.
+    /// `shapes`: all of `source` has been applied to it.
     Moment(const synthetic::Scene& source, const view::SceneView& shapes)
         : scene(shapes), metrics(synthetic::metrics(source, now_ns, 40.0f)), source_(source) {
         scene.apply(synthetic::deformation(source, now_ns, 0.003f, 0.02f));
@@ -66,7 +66,7 @@ class Moment {
         one.what().places() = std::move(places);
         scene.apply(one);
     }
-    /// A stroke on the forehead, and a word at its end.
+    /// A stroke on the forehead, with a word at its end.
     void draw_on_the_forehead() {
         const render::View& overview = *render::view_named("overview");
         std::vector<msg::SurfacePlace> places;
@@ -85,7 +85,7 @@ class Moment {
         write(msg::ANNOTATION_STROKE, "", places);
     }
     void say() {
-        bus::put_live(live, metrics);
+        bus::set_runtime_parameters(live, metrics);
         metrics.parameters(bus::to_msg(parameters));
         scene.apply(metrics);
         scene.apply(status);
@@ -93,12 +93,12 @@ class Moment {
     }
 
     view::SceneView scene;
-    LiveValues live;
+    RuntimeParameters live;
     msg::LiveMetrics metrics;
-    Parameters parameters = starting_parameters();
+    AttemptMetrics parameters = initial_metrics();
     msg::SessionStatus status = synthetic::status(msg::PHASE_RUNNING);
     bool lost = false, contested = false;
-    hud::Readout own;  ///< what the client itself has to say: keys, notice, guidance
+    hud::Readout own;  ///< the client's own text: keys, notice, guidance
 
   private:
     const synthetic::Scene& source_;
@@ -120,14 +120,14 @@ struct Row {
 
 void nothing(Moment&) {}
 
-template <float LiveValues::*aid>
+template <float RuntimeParameters::*aid>
 void shows(Moment& moment) {
     moment.live.*aid = 1.0f;
 }
 
 const std::vector<Row>& table() {
     static const std::vector<Row> rows{
-        {"axes", "section", shows<&LiveValues::view_axes>},
+        {"axes", "section", shows<&RuntimeParameters::view_axes>},
         {"gum_force", "eye",
          [](Moment& moment) {
              moment.live.view_gum_force = 1.0f;
@@ -138,11 +138,11 @@ const std::vector<Row>& table() {
              moment.live.view_gum_force = 1.0f;
              moment.press(2.5f);
          }},
-        {"sight_dot", "eye", shows<&LiveValues::view_sight_line>},
-        {"sight_line", "section", shows<&LiveValues::view_sight_line>},
+        {"sight_dot", "eye", shows<&RuntimeParameters::view_sight_line>},
+        {"sight_line", "section", shows<&RuntimeParameters::view_sight_line>},
         {"glottis", "eye",
          [](Moment& moment) {
-             // Before the face, where nothing covers it.
+             // In front of the face, where nothing covers it.
              moment.live.view_glottis = 1.0f;
              for (int i = 0; i < 16; ++i) {
                  const float angle = 6.2832f * static_cast<float>(i) / 16.0f;
@@ -150,13 +150,13 @@ const std::vector<Row>& table() {
                      bus::to_msg(Vec3f(0.012f * std::cos(angle), -0.02f, 0.02f + 0.02f * std::sin(angle))));
              }
          }},
-        {"clock", "eye", shows<&LiveValues::view_clock>},
+        {"clock", "eye", shows<&RuntimeParameters::view_clock>},
         {"clock_over_the_limit", "eye",
          [](Moment& moment) {
              moment.live.view_clock = 1.0f;
              moment.parameters.time_s = 31.7;
          }},
-        {"tube_depth", "eye", shows<&LiveValues::view_tube_depth>},
+        {"tube_depth", "eye", shows<&RuntimeParameters::view_tube_depth>},
         {"warnings", "eye",
          [](Moment& moment) {
              moment.live.view_warnings = 1.0f;
@@ -219,8 +219,8 @@ const std::vector<Row>& table() {
              moment.write(msg::ANNOTATION_NOTE, "sweep the tongue aside");
              moment.draw_on_the_forehead();
          }},
-        // The roles, in a window as it opens; of who has a panel, with it.
-        {"trainee", "auto", shows<&LiveValues::view_enhanced>, 960, 540},
+        // The roles, in a newly opened window; with the panel for roles that have one.
+        {"trainee", "auto", shows<&RuntimeParameters::view_enhanced>, 960, 540},
         {"instructor", "four",
          [](Moment& moment) {
              moment.live.view_enhanced = 1.0f;
@@ -234,9 +234,9 @@ const std::vector<Row>& table() {
     return rows;
 }
 
-// Letters and lines are drawn pixel by pixel: drivers differ at the rims of few. A digit is more.
+// Letters and lines are drawn pixel by pixel: drivers differ at few edges. A changed digit differs by more.
 constexpr double most_apart = 5e-3;
-// As of the golden pictures of eti-bench render: how drivers shade a scene.
+// As for the golden pictures of eti-bench render: how drivers shade a scene.
 constexpr double most_of_scene_apart = 0.02;
 
 class Golden : public ::testing::TestWithParam<Row> {
@@ -259,7 +259,7 @@ class Golden : public ::testing::TestWithParam<Row> {
         Moment moment(*source_, *shapes_);
         row.happens(moment);
         moment.say();
-        hud::Readout readout = hud::readout_of(moment.scene, moment.lost, moment.contested);
+        hud::Readout readout = hud::make_readout(moment.scene, moment.lost, moment.contested);
         readout.keys = moment.own.keys;
         readout.notice = moment.own.notice;
         readout.guidance = moment.own.guidance;
@@ -279,7 +279,7 @@ class Golden : public ::testing::TestWithParam<Row> {
         panel::Model model(row.panel == Panel::commands
                                ? panel::Model::Send([](std::string_view, float) { return true; })
                                : panel::Model::Send());
-        panel::Drawing drawing;
+        panel::PanelRenderer drawing;
         panel::Model::Time now(std::chrono::seconds(100));
         model.follow(says, {}, now);
         render::RenderTarget window(row.width, row.height, 1);
@@ -298,8 +298,8 @@ class Golden : public ::testing::TestWithParam<Row> {
         return out;
     }
 
-    // Pixels of a row's picture that are apart from the golden one, and those that what the row adds covers:
-    // in the picture or in the golden one it differs there from the scene alone. Of the panel, all.
+    // Pixels of a row's picture that differ from the golden one, and the pixels that the row's overlay
+    // covers: where either picture differs from the scene alone. For the panel, all.
     struct Difference {
         int apart = 0, covered = 0, scene_apart = 0, scene = 0;
     };
@@ -320,20 +320,20 @@ class Golden : public ::testing::TestWithParam<Row> {
                 bool covered = !of_scene;
                 if (of_scene) {
                     const int u = x - area.x, v = y - area.y;
-                    const bool added = test::apart(drawn.pixel(x, y), plain.pixel(u, v));
-                    const bool was_added = test::apart(kept.pixel(x, y), kept_plain.pixel(u, v));
+                    const bool added = test::pixels_differ(drawn.pixel(x, y), plain.pixel(u, v));
+                    const bool was_added = test::pixels_differ(kept.pixel(x, y), kept_plain.pixel(u, v));
                     covered = added || was_added;
-                    out.scene_apart += test::apart(plain.pixel(u, v), kept_plain.pixel(u, v)) ? 1 : 0;
+                    out.scene_apart += test::pixels_differ(plain.pixel(u, v), kept_plain.pixel(u, v)) ? 1 : 0;
                     ++out.scene;
                 }
                 out.covered += covered ? 1 : 0;
-                out.apart += covered && test::apart(drawn.pixel(x, y), kept.pixel(x, y)) ? 1 : 0;
+                out.apart += covered && test::pixels_differ(drawn.pixel(x, y), kept.pixel(x, y)) ? 1 : 0;
             }
         }
         return out;
     }
 
-    // As a whole; `most`: share of its pixels that may be apart.
+    // The whole picture; `most`: share of its pixels that may differ.
     static void compare(const std::string& name, const render::Image& drawn, double most) {
         const render::Image kept = test::golden(ETI_GOLDEN, name, drawn);
         ASSERT_EQ(kept.width, drawn.width);
@@ -341,10 +341,10 @@ class Golden : public ::testing::TestWithParam<Row> {
         int apart = 0;
         for (int y = 0; y < drawn.height; ++y) {
             for (int x = 0; x < drawn.width; ++x) {
-                apart += test::apart(drawn.pixel(x, y), kept.pixel(x, y)) ? 1 : 0;
+                apart += test::pixels_differ(drawn.pixel(x, y), kept.pixel(x, y)) ? 1 : 0;
             }
         }
-        EXPECT_LE(apart, most * drawn.width * drawn.height) << test::kept_for_a_look(drawn, name);
+        EXPECT_LE(apart, most * drawn.width * drawn.height) << test::save_for_inspection(drawn, name);
     }
 
     static std::unique_ptr<synthetic::Scene> source_;
@@ -357,7 +357,7 @@ std::unique_ptr<view::SceneView> Golden::shapes_;
 std::unique_ptr<render::HeadlessContext> Golden::context_;
 std::unique_ptr<client::Compositor> Golden::compositor_;
 
-TEST_P(Golden, LooksAsItDid) {
+TEST_P(Golden, MatchesReferenceImage) {
     const Row& row = GetParam();
     const render::Image drawn = picture(row);
     const render::Image kept = test::golden(ETI_GOLDEN, row.name, drawn);
@@ -366,7 +366,7 @@ TEST_P(Golden, LooksAsItDid) {
     const Difference found = difference(row, drawn, kept);
     EXPECT_GT(found.covered, 60) << row.name << " adds nothing";
     EXPECT_LE(found.apart, most_apart * found.covered)
-        << row.name << ", of " << found.covered << " pixels; " << test::kept_for_a_look(drawn, row.name);
+        << row.name << ", of " << found.covered << " pixels; " << test::save_for_inspection(drawn, row.name);
     EXPECT_LE(found.scene_apart, most_of_scene_apart * found.scene)
         << "the view " << row.view << " by itself";
 }
@@ -374,8 +374,8 @@ TEST_P(Golden, LooksAsItDid) {
 INSTANTIATE_TEST_SUITE_P(Overlays, Golden, ::testing::ValuesIn(table()),
                          [](const auto& one) { return std::string(one.param.name); });
 
-// The trainee's left eye in a headset, and the panel beside the patient with what points at it.
-TEST_F(Golden, AHeadsetsEyeAndItsPanel) {
+// The trainee's left eye in a headset, and the panel beside the patient with the pointer.
+TEST_F(Golden, HeadsetEyeAndPanelMatchReferenceImage) {
     Moment moment(*source_, *shapes_);
     moment.live.view_enhanced = 1.0f;
     moment.press(2.5f);
@@ -391,10 +391,10 @@ TEST_F(Golden, AHeadsetsEyeAndItsPanel) {
     for (const float aside : {-0.032f, 0.032f}) {
         const auto eye =
             RigidTransform::from(Quatf(Eigen::AngleAxisf(-0.5f, Vec3f::UnitX())), {aside, 0.0f, 0.0f});
-        from.worn.push_back(render::worn_camera(to_patient * eye, {-0.6f, 0.6f, 0.5f, -0.6f}));
+        from.headset_eyes.push_back(render::headset_camera(to_patient * eye, {-0.6f, 0.6f, 0.5f, -0.6f}));
     }
-    from.eye =
-        view::TraineeEye::worn(to_patient * RigidTransform::from(Quatf::Identity(), {0.032f, 0.0f, 0.0f}));
+    from.eye = view::TraineeEye::from_headset(to_patient *
+                                              RigidTransform::from(Quatf::Identity(), {0.032f, 0.0f, 0.0f}));
     compositor_.reset();  // the text overlay is one
     {
         client::EyeCompositor eyes(side, side, render::qualities().front());
@@ -407,7 +407,7 @@ TEST_F(Golden, AHeadsetsEyeAndItsPanel) {
             },
             std::chrono::seconds(60)));
         eyes.draw_eyes(moment.scene, from, true, {&ray, 1});
-        const render::Image both = eyes.both().read();
+        const render::Image both = eyes.stereo().read();
         render::Image left{side, side, {}};
         for (int y = 0; y < side; ++y) {
             left.rgba.insert(left.rgba.end(), both.pixel(0, y), both.pixel(0, y) + 4 * side);
@@ -417,36 +417,37 @@ TEST_F(Golden, AHeadsetsEyeAndItsPanel) {
     hmd::HandInput hands;
     hands.hands[1].aim = hand;
     client::LaserPointer laser;
-    const hmd::Panel place = client::HeadsetPanel::place();
+    const hmd::Quad place = client::HeadsetPanel::place();
     laser.follow(&place, hands);
     panel::Model model([](std::string_view, float) { return true; });
     panel::Model::Time now(std::chrono::seconds(100));
     model.follow(moment.scene, {}, now);
-    panel::Drawing drawing;
+    panel::PanelRenderer drawing;
     const render::RenderTarget picture(client::HeadsetPanel::width, client::HeadsetPanel::height, 1);
     picture.bind_picture();
     for (int i = 0; i < 3; ++i) {
         glClear(GL_COLOR_BUFFER_BIT);
-        drawing.point(laser.pointer(picture.width(), picture.height()));
-        drawing.draw_alone(model, picture.width(), picture.height(), now += std::chrono::milliseconds(16));
+        drawing.set_pointer(laser.pointer(picture.width(), picture.height()));
+        drawing.draw_full_screen(model, picture.width(), picture.height(),
+                                 now += std::chrono::milliseconds(16));
     }
     compare("headset_panel", picture.read(), 1e-3);
 }
 
-// What the comparison is for: a number by its last digit, a mark that moved, a line that is gone.
-TEST_F(Golden, SeesADigitAPlaceAndALine) {
+// The purpose of the comparison: it detects a number's changed last digit, a moved mark, a missing line.
+TEST_F(Golden, ComparisonDetectsChangedDigitMarkOrLine) {
     const auto row_of = [](const char* view, void (*happens)(Moment&)) { return Row{"", view, happens}; };
     const auto differ = [&](const Row& a, const Row& b) {
         const Difference found = difference(a, picture(a), picture(b));
         return found.apart > most_apart * found.covered;
     };
-    const Row clock = row_of("eye", shows<&LiveValues::view_clock>);
+    const Row clock = row_of("eye", shows<&RuntimeParameters::view_clock>);
     EXPECT_FALSE(differ(clock, clock));
     EXPECT_TRUE(differ(clock, row_of("eye", [](Moment& moment) {
                            moment.live.view_clock = 1.0f;
                            moment.parameters.time_s = 24.4;
                        })));
-    const Row dot = row_of("section", shows<&LiveValues::view_sight_line>);
+    const Row dot = row_of("section", shows<&RuntimeParameters::view_sight_line>);
     EXPECT_TRUE(differ(dot, row_of("section", nothing)));
     const auto pressed = [](Moment& moment) {
         moment.live.view_gum_force = 1.0f;

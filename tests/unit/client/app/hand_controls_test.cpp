@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/hand_controls.hpp"
+#include "client/app/window/hand_controls.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <string>
 
-#include "client/app/command_keys.hpp"
+#include "client/app/window/command_keys.hpp"
 
 namespace eti {
 namespace {
 
-TEST(HandControls, HelpNamesEveryKeyOfTheHandsTheViewsAndTheCommandsOnce) {
+TEST(HandControls, HelpListsEveryKeyOnce) {
     std::set<std::string> named;
     for (const auto& [key, help] : client::HandControls::help()) {
         EXPECT_TRUE(named.insert(key).second) << key;
@@ -27,7 +27,7 @@ TEST(HandControls, HelpNamesEveryKeyOfTheHandsTheViewsAndTheCommandsOnce) {
     for (const client::CommandKey& row : client::command_keys()) {
         EXPECT_TRUE(named.contains(std::string(row.caption))) << row.caption;
     }
-    // What fits a window of 540 pixels, at 15 a line.
+    // Fits a window of 540 pixels, at 15 per line.
     EXPECT_LE(named.size(), 35u);
 }
 

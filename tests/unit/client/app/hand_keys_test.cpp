@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/hand_keys.hpp"
+#include "client/app/window/hand_keys.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "client/app/command_keys.hpp"
+#include "client/app/window/command_keys.hpp"
 
 namespace eti {
 namespace {
 
-// "+" pressed, "=" held, "-" let go, each before the command that the key stands for.
+// "+" pressed, "=" held, "-" released, each before the command that the key is bound to.
 std::string said(const std::vector<client::KeyEvent>& events) {
     std::string out;
     for (const client::KeyEvent& event : events) {
@@ -33,7 +33,7 @@ hmd::HandInput pulling(float trigger) {
     return out;
 }
 
-TEST(HandKeys, ATriggerThatTremblesSucksWithoutPause) {
+TEST(HandKeys, TriggerHysteresisKeepsSuctionOn) {
     client::HandKeys hands;
     EXPECT_EQ(said(hands.follow(pulling(0.4f))), "");
     EXPECT_EQ(said(hands.follow(pulling(0.6f))), "+suction+0");
@@ -42,7 +42,7 @@ TEST(HandKeys, ATriggerThatTremblesSucksWithoutPause) {
     EXPECT_EQ(said(hands.follow(pulling(0.4f))), "");
 }
 
-TEST(HandKeys, APadMovesOneThingAtATime) {
+TEST(HandKeys, PadMovesOneAxisAtATime) {
     client::HandKeys hands;
     EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.2f, 0.9f, true}})), "+head_elevation+1");
     EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.2f, 0.9f, true}})), "=head_elevation+1");
@@ -54,21 +54,21 @@ TEST(HandKeys, APadMovesOneThingAtATime) {
     EXPECT_EQ(said(hands.follow({.head_and_jaw = {0.0f, 0.9f, false}})), "") << "touched, not pressed";
 }
 
-TEST(HandKeys, TheOtherPadTiltsTheTableAndNothingElse) {
+TEST(HandKeys, SecondPadTiltsTableOnly) {
     client::HandKeys hands;
     EXPECT_EQ(said(hands.follow({.table = {0.0f, 0.9f, true}})), "+table_angle+1");
     EXPECT_EQ(said(hands.follow({.table = {0.0f, -0.9f, true}})), "-table_angle+1 +table_angle-1");
     EXPECT_EQ(said(hands.follow({.table = {0.9f, 0.0f, true}})), "-table_angle-1");
 }
 
-TEST(HandKeys, ControllersWithoutAPadMoveTheHeadByTwoButtons) {
+TEST(HandKeys, TwoButtonsMoveHeadWithoutPad) {
     client::HandKeys hands;
     EXPECT_EQ(said(hands.follow({.head_up = true})), "+head_elevation+1");
     EXPECT_EQ(said(hands.follow({.head_down = true})), "-head_elevation+1 +head_elevation-1");
     EXPECT_EQ(said(hands.follow({.enhanced = true})), "-head_elevation-1 +view_enhanced+0");
 }
 
-TEST(HandKeys, HandsThatGoLetGo) {
+TEST(HandKeys, LosingHandsReleasesCommands) {
     client::HandKeys hands;
     (void)hands.follow({.hands = pulling(1.0f).hands, .table = {0.0f, 0.9f, true}});
     EXPECT_EQ(said(hands.follow({})), "-table_angle+1 -suction+0");

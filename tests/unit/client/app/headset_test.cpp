@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 
-// A headset that a script wears, from OpenXR's loader through its validation layer to a server on the bus.
-#include "client/app/headset.hpp"
+// A scripted headset, from OpenXR's loader through its validation layer to a server on the bus.
+#include "client/app/headset/headset.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,10 +19,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/app/headset_panel.hpp"
-#include "client/render/headless_context.hpp"
+#include "client/app/headset/headset_panel.hpp"
+#include "client/render/gl/headless_context.hpp"
 #include "client/render/image.hpp"
-#include "client/view/airway_axes.hpp"
+#include "client/view/sight/airway_axes.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
 #include "tests/support/virtual_display.hpp"
@@ -49,7 +49,7 @@ class HeadsetTest : public ::testing::Test {
     enum class Screen { window, none };
 
     explicit HeadsetTest(Screen screen = Screen::window) {
-        ask_to_stop(false);
+        request_stop(false);
         folder_ = std::filesystem::temp_directory_path() / ("eti_headset_" + std::to_string(::getpid()));
         std::filesystem::remove_all(folder_);
         std::filesystem::create_directories(folder_);
@@ -61,7 +61,7 @@ class HeadsetTest : public ::testing::Test {
         options_.quality = &render::qualities().front();
         if (screen == Screen::window) {
             display_.emplace();
-            // Debian's knows GLX, and refuses EGL as a structure it has never heard of.
+            // Debian's version knows GLX, and rejects the EGL structure as unknown.
             ::setenv("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation", 1);
             ::setenv("XR_CORE_VALIDATION_EXPORT_TYPE", "text", 1);
             ::setenv("XR_CORE_VALIDATION_FILE_NAME", (folder_ / "validation.txt").c_str(), 1);
@@ -71,11 +71,11 @@ class HeadsetTest : public ::testing::Test {
         }
     }
     ~HeadsetTest() override {
-        ask_to_stop(false);
+        request_stop(false);
         std::filesystem::remove_all(folder_);
     }
 
-    // Runs the client until the script or `enough` ends it, at the latest after a minute.
+    // Runs the client until the script or `enough` ends it, for a minute at most.
     int wear(
         json script, const std::function<bool()>& enough = [] { return false; }) {
         if (display_ && !display_->ready()) {
@@ -91,7 +91,7 @@ class HeadsetTest : public ::testing::Test {
             while (!done && !enough() && std::chrono::steady_clock::now() < limit) {
                 std::this_thread::sleep_for(5ms);
             }
-            ask_to_stop(!done);
+            request_stop(!done);
         });
         const int status = client::run_headset(options_, result_);
         done = true;
@@ -99,8 +99,8 @@ class HeadsetTest : public ::testing::Test {
         report_ = json::parse(std::ifstream(folder_ / "report.json"));
         return status;
     }
-    // Every call was in order, every frame in time and from where the eyes were then, and the layer that
-    // knows what the specification asks for said nothing.
+    // Every call was in order, every frame in time and from the eyes' pose at that time, and the validation
+    // layer reported nothing.
     void expect_no_fault() const {
         EXPECT_EQ(report_["faults"], json::array());
         std::stringstream said;
@@ -108,7 +108,7 @@ class HeadsetTest : public ::testing::Test {
         EXPECT_EQ(said.str(), "");
     }
 
-    // A head that bends over the patient: what each eye saw last is report_["pictures"].back().
+    // A head that bends over the patient: report_["pictures"].back() holds what each eye saw last.
     void look_down() {
         ASSERT_EQ(wear({{"pictures", pictures_of_frames()},
                         {"head", {{{"position", {0, 0, 0}}, {"pitch", -0.6}}}}}),
@@ -139,15 +139,15 @@ struct Extent {
     }
 };
 
-// Of what is skin by its colour: nothing else in the room is as red.
+// Pixels that are skin by their colour: nothing else in the room is as red.
 Extent skin_in(const std::filesystem::path& picture) {
     const render::Image image = render::read_png(picture);
     Extent out;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const std::uint8_t* const p = image.pixel(x, y);
-            // Redder is what the blade's handle shows of the lips; how high it stands depends on when it is
-            // drawn.
+            // The lips' reflection on the blade's handle is redder; its height depends on the time of
+            // drawing.
             if (p[0] > p[2] + 12 && 4 * (p[1] - p[2]) > p[0] - p[2]) {
                 out.add(static_cast<float>(x), static_cast<float>(y));
                 out.add(static_cast<float>(x + 1), static_cast<float>(y + 1));
@@ -157,15 +157,15 @@ Extent skin_in(const std::filesystem::path& picture) {
     return out;
 }
 
-// Where a point of the patient must be seen, by nothing but the eye's place, its turn and the four angles of
-// its field: what is at (x, y, -z) before the eye is seen x / z to the right and y / z up. Pixels from the
+// Expected pixel of a patient's point, from the eye's position, orientation and the four angles of its field
+// alone. A point at (x, y, -z) in front of the eye is seen x / z to the right and y / z up. Pixels from the
 // upper left.
 Eigen::Vector2f pixel_by_mathematics(const json& eye, const Vec3f& gum, const Vec3f& point, int pixels) {
     const auto place = eye["position"].get<std::array<float, 3>>();
     const auto turn = eye["orientation"].get<std::array<float, 4>>();
     const auto field = eye["fov"].get<std::array<float, 4>>();
     const Eigen::Quaternionf rotation(turn[0], turn[1], turn[2], turn[3]);
-    // Lying on its back, head towards the trainee.
+    // Supine, head towards the trainee.
     const Vec3f world = gum + Vec3f(-point.x(), -point.y(), point.z());
     const Vec3f seen = rotation.conjugate() * (world - Vec3f(place[0], place[1], place[2]));
     const float x = seen.x() / -seen.z(), y = seen.y() / -seen.z();
@@ -183,7 +183,7 @@ Extent skin_by_mathematics(const json& eye, const Vec3f& gum, int pixels) {
     return out;
 }
 
-// Middle of a dot as the overlay draws it, green: within 9 pixels of a place, since its text begins at 10.
+// Centre of a dot drawn by the overlay in green: within 9 pixels of a point, because its text begins at 10.
 Eigen::Vector2f green_dot_near(const std::filesystem::path& picture, const Eigen::Vector2f& place) {
     const render::Image image = render::read_png(picture);
     Extent out;
@@ -207,10 +207,11 @@ void expect_close(const Extent& drawn, const Extent& expected, float pixels) {
     EXPECT_NEAR(drawn.bottom, expected.bottom, pixels);
 }
 
-TEST_F(HeadsetTest, BothEyesSeeThePatientWhereCameraMathematicsHasIt) {
+TEST_F(HeadsetTest, BothEyesMatchCameraProjection) {
     SyntheticServer server(1e9);
     options_.frames = 100;
-    // To and fro by 4 mm a frame: who drew from where the eyes are now would be 4 pixels off, and be told so.
+    // Back and forth by 4 mm a frame: drawing from the eyes' present pose would be 4 pixels off, and be
+    // reported.
     json head = json::array();
     for (int turn = 0; turn < 1000; ++turn) {
         const double aside = turn % 2 == 0 ? -0.04 : 0.04;
@@ -226,7 +227,7 @@ TEST_F(HeadsetTest, BothEyesSeeThePatientWhereCameraMathematicsHasIt) {
         const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
         drawn[eye] = skin_in(folder_ / file);
         expected[eye] = skin_by_mathematics(last["eyes"][eye], options_.gum_in_room, side);
-        // Half a pixel of rasterising, one of a colour that fades along the rim.
+        // Half a pixel of rasterisation, and one for a colour that fades along the rim.
         SCOPED_TRACE(file);
         expect_close(drawn[eye], expected[eye], 1.5f);
     }
@@ -235,17 +236,17 @@ TEST_F(HeadsetTest, BothEyesSeeThePatientWhereCameraMathematicsHasIt) {
     EXPECT_NEAR(drawn[0].left - drawn[1].left, expected[0].left - expected[1].left, 1.5f);
 }
 
-TEST_F(HeadsetTest, TheServerHearsOfTheDominantEye) {
+TEST_F(HeadsetTest, PublishesDominantEye) {
     for (const bool left : {false, true}) {
         SyntheticServer server(1e9);
-        options_.left_eye_leads = left;
+        options_.left_eye_dominant = left;
         options_.gum_in_room = {0.0f, -0.25f, -0.2f};
         std::filesystem::remove(folder_ / "report.json");
         ASSERT_EQ(wear({{"head", {{{"position", {0.01, 0.02, 0.03}}, {"pitch", -0.5}}}}},
                        [&] { return server.eyes() > 3; }),
                   0);
         expect_no_fault();
-        ask_to_stop(false);
+        request_stop(false);
         server.stop();
         // 0.01 m to the right of the middle and half of 64 mm to its side; 0.27 m above the gum and 0.23 m
         // behind it.
@@ -254,7 +255,7 @@ TEST_F(HeadsetTest, TheServerHearsOfTheDominantEye) {
     }
 }
 
-// What hands do again and again until the server has heard it: it may come late.
+// Input repeated until the server has received it, which may take long.
 json again_and_again(std::initializer_list<std::pair<const char*, json>> inputs, int held, int every) {
     json out = json::array();
     for (int frame = every; frame < 20000; frame += every) {
@@ -270,7 +271,7 @@ bool has(const std::vector<std::string>& commands, const std::string& one) {
     return std::ranges::find(commands, one) != commands.end();
 }
 
-TEST_F(HeadsetTest, TriggerAndPadsOfAViveControllerBecomeCommands) {
+TEST_F(HeadsetTest, ViveTriggerAndPadsSendCommands) {
     SyntheticServer server(1e9);
     const json hands = again_and_again({{right_trigger, 1.0},
                                         {"/user/hand/right/input/trackpad", json::array({0.1, 0.9})},
@@ -296,9 +297,9 @@ TEST_F(HeadsetTest, TriggerAndPadsOfAViveControllerBecomeCommands) {
                                          "/interaction_profiles/khr/simple_controller"}));
 }
 
-// As far away as what they mark: each eye sees them where it sees that.
-TEST_F(HeadsetTest, MarksLieInBothEyesOnWhatTheyMark) {
-    LiveValues marked;
+// At the same depth as what they mark: each eye sees both in the same place.
+TEST_F(HeadsetTest, MarksAlignWithTargetsInBothEyes) {
+    RuntimeParameters marked;
     marked.view_gum_force = 1.0f;
     SyntheticServer server(1e9, 0, marked);
     options_.frames = 60;
@@ -313,7 +314,7 @@ TEST_F(HeadsetTest, MarksLieInBothEyesOnWhatTheyMark) {
     }
 }
 
-// White, as wide as it is drawn: whether there is some within two pixels of a place.
+// Whether there is white, as wide as the line is drawn, within two pixels of a point.
 bool white_near(const render::Image& image, const Eigen::Vector2f& place) {
     for (int y = static_cast<int>(place.y()) - 2; y <= static_cast<int>(place.y()) + 2; ++y) {
         for (int x = static_cast<int>(place.x()) - 2; x <= static_cast<int>(place.x()) + 2; ++x) {
@@ -328,13 +329,13 @@ bool white_near(const render::Image& image, const Eigen::Vector2f& place) {
     return false;
 }
 
-// Lines in space: each eye sees every point of them where camera mathematics has it.
-TEST_F(HeadsetTest, AxesOfTheAirwayLieInSpaceInBothEyes) {
-    LiveValues shown;
+// Lines in space: each eye sees every point of them at its projection.
+TEST_F(HeadsetTest, AirwayAxesMatchCameraProjectionInBothEyes) {
+    RuntimeParameters shown;
     shown.view_axes = 1.0f;
     SyntheticServer server(1e9, 0, shown);
     options_.frames = 20;
-    side = 480;  // names leave more of the lines to be seen
+    side = 480;  // names hide less of the lines
     ASSERT_NO_FATAL_FAILURE(look_down());
     const json& last = report_["pictures"].back();
     const synthetic::Scene source = synthetic::make_scene();
@@ -366,7 +367,7 @@ TEST_F(HeadsetTest, AxesOfTheAirwayLieInSpaceInBothEyes) {
     }
 }
 
-// Where in the room a control of the panel is, in a session as the synthetic server's.
+// Position in the room of a control of the panel, in the synthetic server's session.
 Vec3f place_in_panel(std::string_view control) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
@@ -376,13 +377,13 @@ Vec3f place_in_panel(std::string_view control) {
     model.follow(scene, {}, now);
     const render::HeadlessContext context;
     const render::RenderTarget target(client::HeadsetPanel::width, client::HeadsetPanel::height, 1);
-    panel::Drawing drawing;
+    panel::PanelRenderer drawing;
     target.bind_picture();
     for (int i = 0; i < 3; ++i) {
-        drawing.draw_alone(model, target.width(), target.height(), now += 16ms);
+        drawing.draw_full_screen(model, target.width(), target.height(), now += 16ms);
     }
     const panel::Area area = drawing.place(control).value();
-    const hmd::Panel panel = client::HeadsetPanel::place();
+    const hmd::Quad panel = client::HeadsetPanel::place();
     // Near its right end.
     const float x = static_cast<float>(area.x + area.width) - 3.0f;
     const float y = static_cast<float>(area.y) + 0.5f * static_cast<float>(area.height);
@@ -398,7 +399,7 @@ json aim_at(const Vec3f& from, const Vec3f& to) {
              {"orientation", {turn.w(), turn.x(), turn.y(), turn.z()}}}};
 }
 
-TEST_F(HeadsetTest, ALaserMovesASliderOfThePanel) {
+TEST_F(HeadsetTest, LaserMovesPanelSlider) {
     const json aims = aim_at({0.2f, -0.3f, -0.1f}, place_in_panel("tongue_scale"));
     SyntheticServer server(1e9);
     options_.panel = true;
@@ -410,7 +411,7 @@ TEST_F(HeadsetTest, ALaserMovesASliderOfThePanel) {
                        if (eyes_then == 0 && has(server.commands(), "tongue_scale 1.400")) {
                            eyes_then = server.eyes();
                        }
-                       return eyes_then > 0 && server.eyes() > eyes_then + 30;  // the answer came, too
+                       return eyes_then > 0 && server.eyes() > eyes_then + 30;  // the answer arrived, too
                    }),
               0);
     expect_no_fault();
@@ -418,7 +419,7 @@ TEST_F(HeadsetTest, ALaserMovesASliderOfThePanel) {
     EXPECT_TRUE(has(server.commands(), "tongue_scale 1.400"));
     EXPECT_GE(result_["commands"]["accepted"], 1);
     EXPECT_FALSE(has(server.commands(), "suction 1.000")) << "a click on the panel sucks";
-    const hmd::Panel place = client::HeadsetPanel::place();
+    const hmd::Quad place = client::HeadsetPanel::place();
     const auto hangs = report_["panel"]["position"].get<std::array<float, 3>>();
     EXPECT_LT((Vec3f(hangs[0], hangs[1], hangs[2]) - place.pose.translation).norm(), 1e-5f);
     EXPECT_EQ(report_["panel"]["size"][0], place.width);
@@ -426,7 +427,7 @@ TEST_F(HeadsetTest, ALaserMovesASliderOfThePanel) {
     EXPECT_LT(place.pose.translation.norm(), 1.5f);
 }
 
-TEST_F(HeadsetTest, AnObserverPublishesNeitherEyeNorCommands) {
+TEST_F(HeadsetTest, ObserverPublishesNeitherEyeNorCommands) {
     SyntheticServer server(1e9);
     const json aims = aim_at({0.2f, -0.3f, -0.1f}, place_in_panel("tongue_scale"));
     options_.observe = options_.panel = true;
@@ -443,7 +444,7 @@ TEST_F(HeadsetTest, AnObserverPublishesNeitherEyeNorCommands) {
     EXPECT_FALSE(result_.contains("commands"));
 }
 
-TEST_F(HeadsetTest, AButtonShowsThePanel) {
+TEST_F(HeadsetTest, MenuButtonShowsPanel) {
     SyntheticServer server(1e9);
     options_.frames = 80;
     ASSERT_EQ(
@@ -455,7 +456,7 @@ TEST_F(HeadsetTest, AButtonShowsThePanel) {
     EXPECT_FALSE(has(server.commands(), "view_enhanced 1.000"));
 }
 
-TEST_F(HeadsetTest, SoDoTheButtonsOfASimpleController) {
+TEST_F(HeadsetTest, SimpleControllerButtonsSendCommands) {
     SyntheticServer server(1e9);
     const json hands = again_and_again(
         {{"/user/hand/right/input/select/click", 1.0}, {"/user/hand/left/input/select/click", 1.0}}, 10, 20);
@@ -471,7 +472,7 @@ TEST_F(HeadsetTest, SoDoTheButtonsOfASimpleController) {
     EXPECT_TRUE(has(server.commands(), "head_elevation 0.017"));
 }
 
-TEST_F(HeadsetTest, SuctionStopsWhileAMenuHasTheHands) {
+TEST_F(HeadsetTest, SuctionStopsWhileMenuHasFocus) {
     SyntheticServer server(1e9);
     json events = json::array();
     for (int frame = 30; frame < 20000; frame += 60) {
@@ -489,7 +490,7 @@ TEST_F(HeadsetTest, SuctionStopsWhileAMenuHasTheHands) {
     EXPECT_GE(std::ranges::count(server.commands(), "suction 1.000"), 2);
 }
 
-TEST_F(HeadsetTest, GoesThroughEveryTurnOfASession) {
+TEST_F(HeadsetTest, HandlesEverySessionEvent) {
     const auto at = [](int frame, const char* what, int life = 0) {
         return json{{"frame", frame}, {"what", what}, {"life", life}};
     };
@@ -503,11 +504,11 @@ TEST_F(HeadsetTest, GoesThroughEveryTurnOfASession) {
     EXPECT_EQ(report_["lives"], 2) << "a runtime that went was waited for";
     EXPECT_EQ(report_["sessions"], 3) << "one to the headset's loss, one to the runtime's, one to the end";
     EXPECT_EQ(result_["sessions"], 3);
-    // Frames go on while nobody sees them, but none is drawn.
+    // Frames continue while the session is not visible, but none is drawn.
     EXPECT_GE(report_["frames"].get<int>() - report_["shown"].get<int>(), 8);
 }
 
-TEST_F(HeadsetTest, WaitsForAHeadsetThatIsNotThereYet) {
+TEST_F(HeadsetTest, WaitsForAbsentHeadset) {
     ASSERT_EQ(wear({{"absent", 2}, {"events", {{{"frame", 5}, {"what", "leave"}}}}}), 0);
     expect_no_fault();
     EXPECT_EQ(result_["end"], "left");
@@ -522,7 +523,7 @@ TEST_F(HeadsetTest, CtrlCEndsTheWait) {
     EXPECT_EQ(report_["sessions"], 0);
 }
 
-TEST_F(HeadsetTest, CtrlCLeavesARunningSessionAsTheRuntimeWantsIt) {
+TEST_F(HeadsetTest, CtrlCExitsRunningSessionCleanly) {
     SyntheticServer server(1e9);
     ASSERT_EQ(wear(json::object(), [&] { return server.eyes() > 3; }), 0);
     expect_no_fault();
@@ -530,7 +531,7 @@ TEST_F(HeadsetTest, CtrlCLeavesARunningSessionAsTheRuntimeWantsIt) {
     EXPECT_GT(report_["shown"], 0);
 }
 
-TEST_F(HeadsetTest, ARuntimeWithoutLayersGetsAPictureForEachEye) {
+TEST_F(HeadsetTest, RuntimeWithoutLayersGetsOneImagePerEye) {
     SyntheticServer server(1e9);
     options_.frames = 60;
     ASSERT_EQ(wear({{"layered", false},
@@ -548,13 +549,13 @@ TEST_F(HeadsetTest, ARuntimeWithoutLayersGetsAPictureForEachEye) {
     }
 }
 
-TEST_F(WindowlessHeadsetTest, DrawsWithoutADisplay) {
+TEST_F(WindowlessHeadsetTest, DrawsWithoutDisplay) {
     SyntheticServer server(1e9);
     options_.frames = 20;
     ASSERT_EQ(wear({{"pictures", pictures_of_frames()}}), 0);
     expect_no_fault();
     EXPECT_GE(report_["shown"], 20);
-    // The sheet hangs where eyes rest easily: between 0.7 and 1.5 m.
+    // The sheet hangs at a comfortable viewing distance: between 0.7 and 1.5 m.
     const auto place = report_["sheet"]["position"].get<std::array<float, 3>>();
     const auto turn = report_["sheet"]["orientation"].get<std::array<float, 4>>();
     const Vec3f sheet(place[0], place[1], place[2]);
@@ -564,7 +565,7 @@ TEST_F(WindowlessHeadsetTest, DrawsWithoutADisplay) {
     EXPECT_GT(front.dot(-sheet.normalized()), 0.999f) << "its front faces the eyes";
 }
 
-TEST_F(WindowlessHeadsetTest, SaysWhatToInstallWithoutARuntime) {
+TEST_F(WindowlessHeadsetTest, ErrorWithoutRuntimeSaysWhatToInstall) {
     ::setenv("XR_RUNTIME_JSON", "/nowhere/runtime.json", 1);
     try {
         (void)client::run_headset(options_, result_);

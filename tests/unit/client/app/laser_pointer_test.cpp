@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/laser_pointer.hpp"
+#include "client/app/headset/laser_pointer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 namespace eti {
 namespace {
 
-// A metre square, 2 m ahead, facing whoever stands at the origin.
-const hmd::Panel panel_ahead{RigidTransform::from(Quatf::Identity(), {0.0f, 0.0f, -2.0f}), 1.0f, 1.0f};
+// A square of 1 m, 2 m ahead, facing a viewer at the origin.
+const hmd::Quad panel_ahead{RigidTransform::from(Quatf::Identity(), {0.0f, 0.0f, -2.0f}), 1.0f, 1.0f};
 
 // From the origin to a point of the panel's plane.
 RigidTransform towards(float x, float y) {
@@ -24,8 +24,8 @@ struct Said {
 
 class Laser : public ::testing::Test {
   protected:
-    // The right hand's.
-    Said follow(const RigidTransform& aim, float trigger, const hmd::Panel* panel = &panel_ahead) {
+    // Of the right hand.
+    Said follow(const RigidTransform& aim, float trigger, const hmd::Quad* panel = &panel_ahead) {
         hmd::HandInput hands;
         hands.hands[1] = {aim, trigger};
         laser_.follow(panel, hands);
@@ -34,7 +34,7 @@ class Laser : public ::testing::Test {
     client::LaserPointer laser_;
 };
 
-TEST_F(Laser, PointsWhereItsLineMeetsThePanel) {
+TEST_F(Laser, PointerIsAtPanelIntersection) {
     const Said at = follow(towards(0.25f, 0.4f), 0.0f);
     EXPECT_NEAR(at.pointer.x, 75.0f, 1e-3f);
     EXPECT_NEAR(at.pointer.y, 10.0f, 1e-3f);
@@ -43,32 +43,32 @@ TEST_F(Laser, PointsWhereItsLineMeetsThePanel) {
     EXPECT_LT((laser_.rays()[0].to - Vec3f(0.25f, 0.4f, -2.0f)).norm(), 1e-5f);
     EXPECT_EQ(follow(towards(0.51f, 0.0f), 0.0f).pointer.x, -FLT_MAX) << "beside it";
     EXPECT_NEAR((laser_.rays()[0].to - laser_.rays()[0].from).norm(), 1.5f, 1e-5f);
-    // From behind, and away from it.
+    // From behind, and pointing away from it.
     const RigidTransform behind =
         RigidTransform::from(Quatf(Eigen::AngleAxisf(3.14159265f, Vec3f::UnitY())), {0.0f, 0.0f, -4.0f});
     EXPECT_EQ(follow(behind, 0.0f).pointer.x, -FLT_MAX);
     EXPECT_EQ(follow(RigidTransform::from(Quatf::Identity(), {0.0f, 0.0f, -4.0f}), 0.0f).pointer.x, -FLT_MAX);
 }
 
-TEST_F(Laser, ATriggerClicksAtThePanelAndSucksElsewhere) {
+TEST_F(Laser, TriggerClicksOnPanelAndSuctionsElsewhere) {
     Said at = follow(towards(0.0f, 0.0f), 1.0f);
     EXPECT_TRUE(at.pointer.down);
     EXPECT_EQ(at.sucks, 0.0f);
-    // A slider that is held stays held beyond the panel's edge.
+    // A held slider stays held beyond the panel's edge.
     at = follow(towards(0.8f, 0.0f), 1.0f);
     EXPECT_TRUE(at.pointer.down);
     EXPECT_NEAR(at.pointer.x, 130.0f, 1e-3f);
     EXPECT_EQ(at.sucks, 0.0f);
     at = follow(towards(0.8f, 0.0f), 0.0f);
     EXPECT_FALSE(at.pointer.down);
-    // Pulled beside it, it sucks, over the panel too.
+    // With the trigger pressed outside the panel it applies suction, even when moved over the panel.
     EXPECT_EQ(follow(towards(0.8f, 0.0f), 1.0f).sucks, 1.0f);
     at = follow(towards(0.0f, 0.0f), 1.0f);
     EXPECT_EQ(at.sucks, 1.0f);
     EXPECT_FALSE(at.pointer.down);
 }
 
-TEST_F(Laser, WithoutAPanelOrAHandThereIsNothingToPointAt) {
+TEST_F(Laser, HasNoPointerWithoutPanelOrHand) {
     EXPECT_EQ(follow(towards(0.0f, 0.0f), 1.0f, nullptr).sucks, 1.0f);
     EXPECT_TRUE(laser_.rays().empty());
     hmd::HandInput unknown;
@@ -78,7 +78,7 @@ TEST_F(Laser, WithoutAPanelOrAHandThereIsNothingToPointAt) {
     EXPECT_TRUE(laser_.rays().empty());
 }
 
-TEST_F(Laser, TheLeftHandPointsWhereTheRightDoesNot) {
+TEST_F(Laser, LeftHandPointsIfRightMissesPanel) {
     hmd::HandInput both;
     both.hands[0] = {towards(-0.25f, 0.0f), 0.0f};
     both.hands[1] = {towards(0.25f, 0.0f), 0.0f};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/offscreen.hpp"
+#include "client/app/offscreen/offscreen.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "client/app/pictures.hpp"
+#include "client/app/offscreen/pictures.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
 
@@ -34,18 +34,18 @@ using synthetic::SyntheticServer;
 class OffscreenTest : public ::testing::Test {
   protected:
     void SetUp() override {
-        ask_to_stop(false);
+        request_stop(false);
         options_.bus = synthetic::bus_options("eti-client");
         options_.offscreen =
             std::filesystem::temp_directory_path() / ("eti_offscreen_" + std::to_string(::getpid()));
         options_.video = options_.offscreen / "session.mp4";
         options_.width = 320;
         options_.height = 240;
-        options_.every_s = 1.0;
+        options_.picture_interval_s = 1.0;
     }
     void TearDown() override {
         std::filesystem::remove_all(options_.offscreen);
-        ask_to_stop(false);
+        request_stop(false);
     }
 
     [[nodiscard]] std::vector<std::string> pictures(const std::string& part) const {
@@ -73,7 +73,7 @@ class OffscreenTest : public ::testing::Test {
     nlohmann::json result_;
 };
 
-TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
+TEST_F(OffscreenTest, FollowsSessionToEnd) {
     SyntheticServer server(2.5);
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     EXPECT_EQ(result_["end"], "finished");
@@ -82,12 +82,12 @@ TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
     }
     EXPECT_TRUE(pictures("section").empty()) << "nobody asked for the enhanced view";
     ASSERT_EQ(pictures("laryngoscope_best").size(), 1u);
-    // The full view stands from 1 s on; a copy is taken once half a per cent more is seen.
+    // The full view lasts from 1 s on; a copy is taken whenever half a per cent more is seen.
     EXPECT_GE(pictures("laryngoscope_best").front(), "laryngoscope_best_000.990s.png");
     EXPECT_GE(result_["best_glottic_opening_percent"].get<double>(), 79.5);
     EXPECT_EQ(result_["messages_dropped"], 0);
-    // Simulation time from the first picture to the end at 15 frames a second, held ones included, and
-    // one second of the last picture.
+    // Simulation time from the first picture to the end at 15 frames a second, including held frames, and one
+    // second of the last picture.
     const int frames = video_frames();
     EXPECT_EQ(frames, result_["video"]["frames"].get<int>());
     const double seconds = result_["simulation_time_s"].get<double>();
@@ -99,24 +99,24 @@ TEST_F(OffscreenTest, FollowsASessionToItsEnd) {
     EXPECT_EQ(last.rows, 240);
 }
 
-TEST_F(OffscreenTest, TraineePublishesTheExaminersEye) {
+TEST_F(OffscreenTest, TraineePublishesEye) {
     SyntheticServer server(1.0, 4);
     options_.video.clear();
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     server.stop();
     EXPECT_GE(server.eyes(), 4);
-    // Independent of where the eye is exactly: 0.3 m from the gum, outside, on the head's side.
+    // Independent of the exact eye position: 0.3 m from the gum, outside, on the head's side.
     EXPECT_NEAR(server.eye().norm(), 0.3f, 0.03f);
     EXPECT_LT(server.eye().y(), 0.0f);
 }
 
-TEST_F(OffscreenTest, AnEyeThatWasMovedIsPublishedWhereItIs) {
+TEST_F(OffscreenTest, PublishesMovedEye) {
     SyntheticServer server(1.0, 4);
     options_.video.clear();
     options_.vantage.eye = view::TraineeEye(Vec3f(0.1f, 0.0f, 0.0f));
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     server.stop();
-    // Where it is best lies in the middle.
+    // The best position lies in the middle.
     EXPECT_NEAR(server.eye().x(), 0.1f, 1e-3f);
 }
 
@@ -131,21 +131,21 @@ TEST_F(OffscreenTest, ObserverPublishesNothing) {
     EXPECT_EQ(pictures("section_final").size(), 1u);
 }
 
-TEST_F(OffscreenTest, DrawsNothingThatNobodyKeeps) {
+TEST_F(OffscreenTest, SkipsFramesThatAreNotSaved) {
     SyntheticServer server(1.5);
     options_.observe = true;
     options_.video.clear();
-    options_.every_s = 0.0;
+    options_.picture_interval_s = 0.0;
     options_.frames = 5;
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     EXPECT_EQ(result_["frames"], 5);
     EXPECT_EQ(result_["frames_drawn"], 0);
     EXPECT_TRUE(result_["draw_ms"].empty());
-    // The pictures at the end show the newest shapes all the same.
+    // The final pictures nevertheless show the newest shapes.
     EXPECT_EQ(pictures("overview_final").size(), 1u);
 }
 
-TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
+TEST_F(OffscreenTest, LostServerEndsRunWithFinalPictures) {
     auto server = std::make_unique<SyntheticServer>(1e9);
     std::thread killer([&] {
         while (server->time_s() < 1.5) {
@@ -161,20 +161,20 @@ TEST_F(OffscreenTest, AServerThatVanishesEndsTheRunWithItsPictures) {
     EXPECT_GT(video_frames(), 15);
 }
 
-TEST_F(OffscreenTest, NoServerIsAnError) {
+TEST_F(OffscreenTest, FailsWithoutServer) {
     options_.wait_s = 0.3;
     options_.bus.session += "-nobody";
     EXPECT_NE(client::run_offscreen(options_, result_), 0);
     EXPECT_TRUE(result_.is_null());
 }
 
-TEST_F(OffscreenTest, StopsWhenAsked) {
+TEST_F(OffscreenTest, StopsOnRequest) {
     SyntheticServer server(1e9);
     std::thread user([&] {
         while (server.eyes() < 2) {
             std::this_thread::sleep_for(10ms);
         }
-        ask_to_stop();
+        request_stop();
     });
     const int status = client::run_offscreen(options_, result_);
     user.join();
@@ -183,14 +183,14 @@ TEST_F(OffscreenTest, StopsWhenAsked) {
     EXPECT_GT(video_frames(), 0);
 }
 
-TEST_F(OffscreenTest, DrawsAsManyFramesAsAsked) {
+TEST_F(OffscreenTest, DrawsRequestedNumberOfFrames) {
     SyntheticServer server(1e9);
     options_.frames = 5;
     ASSERT_EQ(client::run_offscreen(options_, result_), 0);
     EXPECT_EQ(result_["frames"], 5);
 }
 
-TEST_F(OffscreenTest, AFolderThatCannotBeMadeIsNamed) {
+TEST_F(OffscreenTest, ErrorNamesFolderThatCannotBeCreated) {
     const auto file = std::filesystem::temp_directory_path() / ("eti_file_" + std::to_string(::getpid()));
     std::ofstream(file) << "not a folder";
     options_.offscreen = file / "pictures";
@@ -204,7 +204,7 @@ TEST_F(OffscreenTest, AFolderThatCannotBeMadeIsNamed) {
     std::filesystem::remove(file);
 }
 
-TEST(PictureName, SortsByTimeAndSaysTheOccasion) {
+TEST(PictureName, SortsByTimeAndNamesOccasion) {
     EXPECT_EQ(client::picture_name("section", "", 5.0), "section_005.000s.png");
     EXPECT_EQ(client::picture_name("section", "best", 31.25), "section_best_031.250s.png");
 }
@@ -232,7 +232,7 @@ TEST(Layout, TilesCoverThePictureWithoutOverlap) {
     }
 }
 
-TEST(Layout, TheOthersAreBelowTheFirstWhereThePictureIsUpright) {
+TEST(Layout, PortraitPlacesOtherTilesBelowFirst) {
     const auto tiles = client::layout(client::selection_named("auto")->enhanced, 720, 1280);
     ASSERT_EQ(tiles.size(), 4u);
     EXPECT_EQ(tiles[0].tile.width, 720);
@@ -243,8 +243,8 @@ TEST(Layout, TheOthersAreBelowTheFirstWhereThePictureIsUpright) {
     }
 }
 
-TEST(Layout, AnInstructorsPictureHasFourPartsAllAlike) {
-    const client::Selection& four = client::instructors_selection();
+TEST(Layout, InstructorLayoutHasFourEqualTiles) {
+    const client::Selection& four = client::instructor_selection();
     const auto tiles = client::layout(four.plain, 960, 540, four.arrangement);
     ASSERT_EQ(tiles.size(), 4u);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -255,25 +255,25 @@ TEST(Layout, AnInstructorsPictureHasFourPartsAllAlike) {
     }
 }
 
-// A scene is complete before it is shaped: its frames come last.
-TEST(Selections, ShowNoPatientBeforeAllOfItIsKnownAndNothingWhileMinimised) {
+// A scene is complete before it has shapes: its frames arrive last.
+TEST(Selections, ShowNothingWhileIncompleteOrMinimised) {
     const synthetic::Scene source = synthetic::make_scene();
     const client::Selection& all = *client::selection_named("all");
     view::SceneView scene;
-    EXPECT_EQ(client::shown_now(all, scene, false), client::Views{});
+    EXPECT_EQ(client::visible_views(all, scene, false), client::Views{});
     scene.apply(source.description);
     for (const auto& object : source.objects) {
         scene.apply(object);
     }
     ASSERT_TRUE(scene.complete());
-    EXPECT_EQ(client::shown_now(all, scene, false), client::Views{});
+    EXPECT_EQ(client::visible_views(all, scene, false), client::Views{});
     scene.apply(synthetic::deformation(source, 1'000'000, 0.0f, 0.0f));
-    ASSERT_TRUE(scene.shaped());
-    EXPECT_EQ(client::shown_now(all, scene, false), all.plain);
-    EXPECT_EQ(client::shown_now(all, scene, true), std::nullopt);
+    ASSERT_TRUE(scene.has_all_frames());
+    EXPECT_EQ(client::visible_views(all, scene, false), all.plain);
+    EXPECT_EQ(client::visible_views(all, scene, true), std::nullopt);
 }
 
-TEST(Selections, EachHasANameAndAKeyOfItsOwn) {
+TEST(Selections, HaveUniqueNamesAndKeys) {
     std::set<std::string_view> names;
     std::set<char> keys;
     for (const client::Selection& one : client::selections()) {
@@ -281,7 +281,7 @@ TEST(Selections, EachHasANameAndAKeyOfItsOwn) {
         EXPECT_TRUE(keys.insert(one.key).second) << one.name << " has another's key";
         EXPECT_FALSE(one.help.empty()) << one.name;
         EXPECT_EQ(client::selection_named(one.name), &one);
-        EXPECT_EQ(client::selection_of_key(one.key), &one);
+        EXPECT_EQ(client::selection_for_key(one.key), &one);
     }
     for (const render::View& view : render::views()) {
         EXPECT_TRUE(names.contains(view.name));

@@ -25,7 +25,7 @@ std::optional<int> parse(std::initializer_list<const char*> arguments, client::O
     return client::parse(static_cast<int>(argv.size()), argv.data(), options);
 }
 
-TEST(Options, AnOffscreenTraineeMakesAVideoAndAnObserverDoesNot) {
+TEST(Options, OnlyOffscreenTraineeRecordsVideoByDefault) {
     client::Options trainee;
     ASSERT_FALSE(parse({"--offscreen", "pics"}, trainee));
     EXPECT_EQ(trainee.video, "pics/session.mp4");
@@ -38,10 +38,10 @@ TEST(Options, AnOffscreenTraineeMakesAVideoAndAnObserverDoesNot) {
     EXPECT_TRUE(silent.video.empty());
 }
 
-TEST(Options, AnInstructorSeesFourSidesAndIsNoTrainee) {
+TEST(Options, InstructorHasFourViewsAndIsNotTrainee) {
     client::Options instructor;
     ASSERT_FALSE(parse({"--instructor"}, instructor));
-    EXPECT_EQ(instructor.selection, &client::instructors_selection());
+    EXPECT_EQ(instructor.selection, &client::instructor_selection());
     EXPECT_FALSE(instructor.is_trainee());
     EXPECT_FALSE(instructor.observe);
     client::Options section;
@@ -72,7 +72,7 @@ TEST(Options, ReadsSizeAndView) {
     EXPECT_EQ(options.bus.domain, 7);
 }
 
-TEST(Options, PlacesTheTraineesEye) {
+TEST(Options, EyeOffsetPlacesTraineeEye) {
     client::Options options;
     ASSERT_FALSE(parse({"--eye-offset-mm", "10,-20.5,1e1"}, options));
     EXPECT_LT((options.vantage.eye.offset() - Vec3f(0.010f, -0.0205f, 0.010f)).norm(), 1e-7f);
@@ -81,17 +81,17 @@ TEST(Options, PlacesTheTraineesEye) {
     EXPECT_EQ(plain.vantage.eye.offset(), Vec3f::Zero());
 }
 
-TEST(Options, PlacesThePatientBeforeAHeadset) {
+TEST(Options, HeadsetViewPlacesPatientAndDominantEye) {
     client::Options plain;
     ASSERT_FALSE(parse({"--view", "hmd"}, plain));
     EXPECT_TRUE(plain.headset);
-    EXPECT_FALSE(plain.left_eye_leads);
+    EXPECT_FALSE(plain.left_eye_dominant);
     EXPECT_LT((plain.gum_in_room - hmd::Room().gum).norm(), 1e-6f) << "what help says is what is done";
     client::Options placed;
     ASSERT_FALSE(
         parse({"--view", "hmd", "--patient-at-mm", "10,-300,250", "--dominant-eye", "left"}, placed));
     EXPECT_LT((placed.gum_in_room - Vec3f(0.01f, -0.3f, -0.25f)).norm(), 1e-6f) << "ahead is -z";
-    EXPECT_TRUE(placed.left_eye_leads);
+    EXPECT_TRUE(placed.left_eye_dominant);
     client::Options window;
     ASSERT_FALSE(parse({}, window));
     EXPECT_FALSE(window.headset);
@@ -107,7 +107,7 @@ TEST(Options, PlacesThePatientBeforeAHeadset) {
     }
 }
 
-TEST(Options, SaysWhatPlaceAnEyeMayHave) {
+TEST(Options, InvalidEyeOffsetErrorStatesRange) {
     for (const char* const text : {"nan,0,0", "0,inf,0", "1,2", "1,2,3,4", "1,2,", "251,0,0", "a,b,c", ""}) {
         client::Options options;
         ::testing::internal::CaptureStderr();
@@ -119,12 +119,12 @@ TEST(Options, SaysWhatPlaceAnEyeMayHave) {
     }
 }
 
-TEST(Options, PlacesTheSectionAndFogsTheLens) {
+TEST(Options, ReadsSectionPlaneAndLensFogging) {
     client::Options options;
     ASSERT_FALSE(parse({"--section-plane", "5,-90,30", "--fogging", "0.5"}, options));
-    const render::CutPlane plane = options.vantage.section.plane(unseen_landmarks()),
+    const render::CutPlane plane = options.vantage.section.plane(zero_landmarks()),
                            wanted = render::Section(0.005f, -90.0f * degree, 30.0f * degree)
-                                        .plane(unseen_landmarks());
+                                        .plane(zero_landmarks());
     EXPECT_LT((plane.normal - wanted.normal).norm() + (plane.origin - wanted.origin).norm(), 1e-6f);
     EXPECT_EQ(options.vantage.fogging, 0.5f);
     for (const char* const text : {"nan,0,0", "101,0,0", "0,181,0", "0,0,91", "5", ""}) {
@@ -140,7 +140,7 @@ TEST(Options, PlacesTheSectionAndFogsTheLens) {
     }
 }
 
-TEST(Options, LeadsWhoHoldsTheToolsTheFirstTime) {
+TEST(Options, TutorialIsOnForFirstHandsRunOnly) {
     const auto folder =
         std::filesystem::temp_directory_path() / ("eti-options-" + std::to_string(::getpid()));
     ::setenv("XDG_CONFIG_HOME", folder.c_str(), 1);
@@ -149,7 +149,7 @@ TEST(Options, LeadsWhoHoldsTheToolsTheFirstTime) {
     EXPECT_TRUE(first.hands && first.tutorial);
     ASSERT_FALSE(parse({}, without));
     EXPECT_FALSE(without.hands || without.tutorial);
-    client::note_tutorial_shown();
+    client::mark_tutorial_shown();
     ASSERT_FALSE(parse({"--hands"}, again));
     EXPECT_FALSE(again.tutorial);
     ASSERT_FALSE(parse({"--hands", "--tutorial", "on"}, asked));
@@ -162,7 +162,7 @@ TEST(Options, LeadsWhoHoldsTheToolsTheFirstTime) {
     EXPECT_EQ(parse({"--volume", "1.5"}, refused), 2);
 }
 
-TEST(Options, SoundsWhereThereIsADeviceUnlessToldOtherwise) {
+TEST(Options, SoundIsAutomaticUnlessSet) {
     client::Options by_itself, on, off;
     ASSERT_FALSE(parse({}, by_itself));
     EXPECT_EQ(by_itself.sound, std::nullopt);
@@ -173,7 +173,7 @@ TEST(Options, SoundsWhereThereIsADeviceUnlessToldOtherwise) {
     EXPECT_EQ(off.sound, false);
 }
 
-TEST(Options, RefusesWhatCannotBe) {
+TEST(Options, RejectsInvalidArguments) {
     const std::initializer_list<std::initializer_list<const char*>> mistakes = {
         {"--size", "640"},       {"--size", "641x480"},  {"--size", "0x0"},
         {"--size", "640x480x2"}, {"--size", "-640x480"}, {"--size", "999999x999998"},

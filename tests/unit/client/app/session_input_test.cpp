@@ -11,17 +11,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Takes what comes until `enough`, or until only a hang is left.
+// Processes input until `enough`, or until the timeout.
 template <class Enough>
 void follow(client::SessionInput& input, view::SceneView& scene, Enough enough) {
     const auto limit = std::chrono::steady_clock::now() + 120s;
     while (!enough() && std::chrono::steady_clock::now() < limit) {
-        input.take_into(scene);
+        input.receive_into(scene);
         input.wait(10ms);
     }
 }
 
-TEST(SessionInput, AnObserverHearsHowTheRunEndedHoweverLate) {
+TEST(SessionInput, LateObserverReceivesRunSummary) {
     synthetic::SyntheticServer server(0.1);
     bus::Node node(synthetic::bus_options("eti-client"));
     view::SceneView early_scene, late_scene;
@@ -36,7 +36,7 @@ TEST(SessionInput, AnObserverHearsHowTheRunEndedHoweverLate) {
     EXPECT_TRUE(late_scene.run_report()->outcome.success);
 }
 
-TEST(SessionInput, NamesTheScenariosThatFollowEachOther) {
+TEST(SessionInput, ListsConsecutiveScenarios) {
     bus::Node server(synthetic::bus_options("eti-server")), node(synthetic::bus_options("eti-client"));
     bus::Publisher<msg::SessionDescription> publisher(server, bus::topics::session_description);
     client::SessionInput input(node, false, false);

@@ -15,9 +15,9 @@ class SessionSound : public ::testing::Test {
     void session(float gum_force, float suction) {
         msg::LiveMetrics metrics = synthetic::metrics(scene_, time_ns_ += 10'000'000, 0.0f);
         metrics.gum_force_n(gum_force);
-        LiveValues live;
+        RuntimeParameters live;
         live.suction = suction;
-        bus::put_live(live, metrics);
+        bus::set_runtime_parameters(live, metrics);
         ASSERT_TRUE(seen_.apply(metrics));
         ASSERT_TRUE(seen_.apply(synthetic::status(msg::PHASE_RUNNING)));
     }
@@ -26,7 +26,7 @@ class SessionSound : public ::testing::Test {
     std::uint64_t time_ns_ = 2'000'000'000;
 };
 
-TEST_F(SessionSound, GumAndSuctionAreHeardAsTheScreenShowsThem) {
+TEST_F(SessionSound, GumAndSuctionCuesMatchScreen) {
     session(3.9f, 0.0f);
     EXPECT_FALSE(client::cue_of(seen_, false).gum_pressed);
     EXPECT_FALSE(client::cue_of(seen_, false).suction);
@@ -35,7 +35,7 @@ TEST_F(SessionSound, GumAndSuctionAreHeardAsTheScreenShowsThem) {
     EXPECT_TRUE(client::cue_of(seen_, false).suction);
 }
 
-TEST_F(SessionSound, ALostServerIsSilent) {
+TEST_F(SessionSound, IsSilentWhenServerIsLost) {
     session(9.0f, 1.0f);
     const sound::Cue cue = client::cue_of(seen_, true);
     EXPECT_FALSE(cue.pulse || cue.gum_pressed || cue.suction);

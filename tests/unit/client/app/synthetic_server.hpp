@@ -15,8 +15,8 @@
 #include <fmt/format.h>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/convert.hpp"
-#include "common/model/live.hpp"
+#include "common/bus/codec/convert.hpp"
+#include "common/model/runtime_parameters.hpp"
 #include "synthetic_scene.hpp"
 #include "tests/support/bus_domain.hpp"
 
@@ -26,17 +26,17 @@ namespace eti::synthetic {
     return test::bus_options(name, "client-test-" + std::to_string(::getpid()));
 }
 
-// Publishes the synthetic scene on a real bus, in steps of 30 ms of simulation time that begin when a
-// client listens. How fast it goes depends on the machine; what the tests expect does not.
+// Publishes the synthetic scene on a real bus, in steps of 30 ms of simulation time that begin once a client
+// has matched. Its pace depends on the machine; the tests' expectations do not.
 class SyntheticServer {
   public:
-    /// Finishes after `seconds` of simulation time and `eyes` poses of the examiner's eye. `live`: as the
-    /// session begins.
-    explicit SyntheticServer(double seconds, int eyes = 0, const LiveValues& live = {})
+    /// Finishes after `seconds` of simulation time and `eyes` poses of the examiner's eye. `live`: initial
+    /// runtime parameters.
+    explicit SyntheticServer(double seconds, int eyes = 0, const RuntimeParameters& live = {})
         : finish_after_s_(seconds), finish_after_eyes_(eyes), live_(live), thread_([this] { run(); }) {}
     ~SyntheticServer() { stop(); }
 
-    // Ends without saying so, as a killed server does.
+    // Stops without notice, like a killed server.
     void stop() {
         stopping_ = true;
         if (thread_.joinable()) {
@@ -46,12 +46,12 @@ class SyntheticServer {
     [[nodiscard]] double time_s() const { return time_s_; }
     [[nodiscard]] int eyes() const { return eyes_; }
     [[nodiscard]] Vec3f eye() const { return last_eye_; }
-    /// Those that came so far, as "name value".
+    /// Commands received so far, as "name value".
     [[nodiscard]] std::vector<std::string> commands() const {
         const std::scoped_lock lock(mutex_);
         return commands_;
     }
-    /// It refuses this one and carries out the others at once.
+    /// The server refuses this command and executes all others at once.
     static constexpr const char* refused = "reset";
     static constexpr const char* reason = "nothing has moved yet";
 
@@ -85,7 +85,7 @@ class SyntheticServer {
             proxy.publish(synthetic::proxy(scene, time_ns));
             // The view opens within a second and stays.
             auto measured = metrics(scene, time_ns, static_cast<float>(80.0 * std::min(1.0, time_s_.load())));
-            bus::put_live(live_, measured);
+            bus::set_runtime_parameters(live_, measured);
             live.publish(measured);
             msg::Command command;
             while (commands.take(command)) {
@@ -115,7 +115,7 @@ class SyntheticServer {
             const std::scoped_lock lock(mutex_);
             commands_.push_back(fmt::format("{} {:.3f}", name, command.value()));
         }
-        if (const LiveField* const field = live_field(name)) {
+        if (const RuntimeParameterField* const field = find_runtime_parameter(name)) {
             live_.*field->value = command.value();
         }
         msg::CommandResult answer;
@@ -129,7 +129,7 @@ class SyntheticServer {
     double finish_after_s_;
     int finish_after_eyes_;
     bool summed_up_ = false;
-    LiveValues live_;
+    RuntimeParameters live_;
     mutable std::mutex mutex_;
     std::vector<std::string> commands_;
     std::atomic<bool> stopping_{false};

@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -18,8 +18,8 @@ using client::Tutorial;
 class TutorialTest : public ::testing::Test {
   protected:
     TutorialTest() { synthetic::fill(seen_, scene_); }
-    void look(std::string_view view = "section") { tutorial_.look({seen_, view}); }
-    // The blade's tip so far [m] past the upper gum, towards the glottis.
+    void look(std::string_view view = "section") { tutorial_.update({seen_, view}); }
+    // Places the blade's tip this far [m] past the upper gum, towards the glottis.
     void blade_at(float depth) {
         const Vec3f& gum = at(scene_.landmarks, Landmark::upper_gum);
         const Vec3f tip = gum + depth * (at(scene_.landmarks, Landmark::glottis) - gum).normalized();
@@ -43,7 +43,7 @@ class TutorialTest : public ::testing::Test {
     std::uint64_t time_ns_ = 2'000'000'000;
 };
 
-TEST_F(TutorialTest, GoesOnWhenTheSessionSaysSo) {
+TEST_F(TutorialTest, AdvancesWithSessionState) {
     session(false, 0.0f, msg::TUBE_OUTSIDE, -0.05f);
     look("eye");
     EXPECT_EQ(tutorial_.lesson(), 0u);
@@ -72,11 +72,11 @@ TEST_F(TutorialTest, GoesOnWhenTheSessionSaysSo) {
     look();
     EXPECT_TRUE(tutorial_.finished());
     hud::Readout readout;
-    tutorial_.put_into(readout);
+    tutorial_.add_to(readout);
     EXPECT_TRUE(readout.guidance.empty());
 }
 
-TEST_F(TutorialTest, AfterAnAttemptThatFailedItBeginsAgainWithTheBlade) {
+TEST_F(TutorialTest, FailedAttemptRestartsAtBladeStep) {
     look();
     tutorial_.skip();
     tutorial_.skip();
@@ -85,23 +85,23 @@ TEST_F(TutorialTest, AfterAnAttemptThatFailedItBeginsAgainWithTheBlade) {
     look();
     EXPECT_EQ(tutorial_.lesson(), 1u);
     hud::Readout readout;
-    tutorial_.put_into(readout);
+    tutorial_.add_to(readout);
     EXPECT_NE(readout.guidance.at(1).find(seen_.attempt_report()->outcome.reason), std::string::npos);
 }
 
-TEST_F(TutorialTest, AManikinDoesNotTellOfAFailure) {
+TEST_F(TutorialTest, ManikinAttemptEndCompletesTutorial) {
     look();
     for (std::size_t step = 0; step + 1 < client::lessons().size(); ++step) {
         tutorial_.skip();
     }
     msg::AttemptSummary ended = synthetic::summary(1, false, time_ns_);
-    ended.parameters(bus::to_msg(synthetic::parameters_of_a_manikin()));
+    ended.parameters(bus::to_msg(synthetic::manikin_metrics()));
     ASSERT_TRUE(seen_.apply(ended));
     look();
     EXPECT_TRUE(tutorial_.finished());
 }
 
-TEST_F(TutorialTest, AnyStepCanBePassedOver) {
+TEST_F(TutorialTest, AnyStepCanBeSkipped) {
     for (std::size_t step = 0; step < client::lessons().size(); ++step) {
         EXPECT_FALSE(tutorial_.finished());
         tutorial_.skip();
@@ -111,19 +111,20 @@ TEST_F(TutorialTest, AnyStepCanBePassedOver) {
     EXPECT_EQ(tutorial_.lesson(), client::lessons().size());
 }
 
-TEST(TutorialMark, LiesWithTheUsersSettings) {
+TEST(TutorialMark, LiesInUserConfigFolder) {
     const auto folder =
         std::filesystem::temp_directory_path() / ("eti-settings-" + std::to_string(::getpid()));
     ::setenv("XDG_CONFIG_HOME", folder.c_str(), 1);
     EXPECT_FALSE(client::tutorial_was_shown());
-    client::note_tutorial_shown();
+    client::mark_tutorial_shown();
     EXPECT_TRUE(client::tutorial_was_shown());
-    EXPECT_EQ(client::tutorial_mark(), folder / "neoeti" / "tutorial-shown");
+    EXPECT_EQ(client::tutorial_marker_file(), folder / "neoeti" / "tutorial-shown");
     std::filesystem::remove_all(folder);
     // The specification: a path that is not absolute is ignored.
     ::setenv("XDG_CONFIG_HOME", "relative", 1);
     ::setenv("HOME", "/home/somebody", 1);
-    EXPECT_EQ(client::tutorial_mark(), std::filesystem::path("/home/somebody/.config/neoeti/tutorial-shown"));
+    EXPECT_EQ(client::tutorial_marker_file(),
+              std::filesystem::path("/home/somebody/.config/neoeti/tutorial-shown"));
     ::unsetenv("XDG_CONFIG_HOME");
 }
 

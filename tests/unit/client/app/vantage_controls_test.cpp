@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/app/vantage_controls.hpp"
+#include "client/app/window/vantage_controls.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "client/app/command_keys.hpp"
-#include "client/app/compositor.hpp"
 #include "client/app/controls.hpp"
+#include "client/app/window/command_keys.hpp"
+#include "client/app/window/compositor.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -20,12 +20,12 @@ using render::Vantage;
 
 const Landmarks points = synthetic::make_scene().landmarks;
 
-// Where the eye went from where it stood, along its own axes.
+// Displacement of the eye from its initial position, along its own axes.
 Vec3f went(const Vantage& vantage) {
     return view::TraineeEye().pose(points).inverse() * vantage.eye.position(points);
 }
 
-TEST(VantageKeys, EachHasAKeyThatNothingElseHas) {
+TEST(VantageKeys, DoNotCollideWithOtherKeys) {
     std::set<char32_t> keys{U'h', U'?'};
     for (const client::Selection& one : client::selections()) {
         keys.insert(static_cast<char32_t>(one.key));
@@ -38,7 +38,7 @@ TEST(VantageKeys, EachHasAKeyThatNothingElseHas) {
     }
 }
 
-TEST(VantageKeys, MoveTheEyeAlongItsAxesAndBack) {
+TEST(VantageKeys, MoveEyeAlongItsAxesAndReset) {
     const auto after = [](char32_t key) {
         Vantage vantage;
         client::vantage_key(key)->press(vantage, points);
@@ -56,7 +56,7 @@ TEST(VantageKeys, MoveTheEyeAlongItsAxesAndBack) {
     EXPECT_EQ(client::vantage_key(U'q'), nullptr);
 }
 
-TEST(Mouse, MovesTheEyeInItsPictureAndTheOnlookerInTheirs) {
+TEST(Mouse, MovesEyeOrOrbitDependingOnView) {
     const Drag sideways{.x = 50.0f, .y = -20.0f, .notches = 1.0f};
     Vantage eye;
     client::drag(eye, *render::view_named("eye"), sideways, points);
@@ -71,30 +71,30 @@ TEST(Mouse, MovesTheEyeInItsPictureAndTheOnlookerInTheirs) {
     EXPECT_LT(onlooker.orbit.distance, Vantage().orbit.distance);
 }
 
-TEST(Mouse, TheRightButtonTurnsTheGaze) {
+TEST(Mouse, RightButtonTurnsGaze) {
     Vantage vantage;
-    client::drag(vantage, *render::view_named("eye"), {.x = 100.0f, .second = true}, points);
+    client::drag(vantage, *render::view_named("eye"), {.x = 100.0f, .right_button = true}, points);
     EXPECT_LT(went(vantage).norm(), 1e-6f);
     const RigidTransform straight = view::TraineeEye().pose(points), aside = vantage.eye.pose(points);
     EXPECT_GT((straight.inverse().rotation * (aside.rotation * -Vec3f::UnitZ())).x(), 0.05f);
 }
 
-TEST(Mouse, TurnsAndShiftsThePlaneOfTheSection) {
+TEST(Mouse, RotatesAndShiftsSectionPlane) {
     Vantage turned, shifted;
     client::drag(turned, *render::view_named("section"), {.x = 100.0f}, points);
     const render::CutPlane plane = turned.section.plane(points);
     EXPECT_NEAR(plane.normal.x(), std::cos(35.0f * degree), 1e-5f);
     client::drag(shifted, *render::view_named("section"), {.notches = 3.0f}, points);
     EXPECT_NEAR(shifted.section.plane(points).origin.x(), 3e-3f, 1e-6f);
-    client::drag(shifted, *render::view_named("section"), {.y = 30.0f, .second = true}, points);
+    client::drag(shifted, *render::view_named("section"), {.y = 30.0f, .right_button = true}, points);
     EXPECT_NEAR(shifted.section.plane(points).origin.x(), 0.0f, 1e-6f);
     EXPECT_EQ(went(turned), went(Vantage()));
     client::vantage_key(U'x')->press(turned, points);
     EXPECT_EQ(turned.section, render::Section());
 }
 
-// Several pictures side by side: it counts in which of them the button went down.
-TEST(Mouse, BelongsToThePictureInWhichItBegan) {
+// With several pictures side by side, the one in which the button was pressed counts.
+TEST(Mouse, DragStaysWithItsInitialView) {
     constexpr int width = 960, height = 540;
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
@@ -105,11 +105,13 @@ TEST(Mouse, BelongsToThePictureInWhichItBegan) {
                        .x = 2000.0f},
                       scene, width, height);
         EXPECT_EQ(controls.vantage().orbit.azimuth != Vantage().orbit.azimuth,
-                  view->moves == render::Moves::onlooker)
+                  view->mouse_target == render::MouseTarget::onlooker)
             << view->name;
-        EXPECT_EQ(controls.vantage().eye.offset() != Vec3f::Zero(), view->moves == render::Moves::eye)
+        EXPECT_EQ(controls.vantage().eye.offset() != Vec3f::Zero(),
+                  view->mouse_target == render::MouseTarget::eye)
             << view->name;
-        EXPECT_EQ(controls.vantage().section != render::Section(), view->moves == render::Moves::section)
+        EXPECT_EQ(controls.vantage().section != render::Section(),
+                  view->mouse_target == render::MouseTarget::section)
             << view->name;
     }
 }

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "client/app/command_keys.hpp"
-#include "client/app/compositor.hpp"
-#include "client/app/window.hpp"
-#include "client/app/windowed.hpp"
+#include "client/app/window/command_keys.hpp"
+#include "client/app/window/compositor.hpp"
+#include "client/app/window/window.hpp"
+#include "client/app/window/windowed.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
 #include "tests/support/virtual_display.hpp"
@@ -24,7 +24,7 @@
 namespace eti {
 namespace {
 
-class AWindow : public ::testing::Test {
+class WindowTest : public ::testing::Test {
   protected:
     void SetUp() override {
         ASSERT_TRUE(display_.ready()) << "Xvfb does not start; install the package xvfb";
@@ -37,7 +37,7 @@ class AWindow : public ::testing::Test {
     GLFWwindow* native_ = nullptr;
 };
 
-TEST(Window, SaysWhatToDoWithoutADisplay) {
+TEST(Window, ErrorWithoutDisplaySuggestsOffscreen) {
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
     try {
@@ -48,17 +48,17 @@ TEST(Window, SaysWhatToDoWithoutADisplay) {
     }
 }
 
-TEST(Window, ShowsTheSceneThatWasDrawn) {
+TEST(Window, ShowsDrawnScene) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
     client::Window window(320, 240, "test");
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     client::Compositor compositor(window.width(), window.height(), render::qualities().front());
-    compositor.draw(client::default_selection().views(scene), scene, hud::readout_of(scene, false), {},
+    compositor.draw(client::default_selection().views(scene), scene, hud::make_readout(scene, false), {},
                     false);
     compositor.target().copy_to(0, {0, 0, 320, 240}, {0, 0, 320, 240});
-    // What the window is about to show, read from the window itself.
+    // The next frame of the window, read back from the window itself.
     std::vector<std::uint8_t> shown(4 * 320 * 240);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
     glReadBuffer(GL_BACK);
@@ -76,16 +76,16 @@ TEST(Window, ShowsTheSceneThatWasDrawn) {
         }
     }
     EXPECT_GT(colours.size(), 500u);
-    window.show_frame();
+    window.swap_buffers();
     window.poll_events();
     EXPECT_TRUE(window.open());
 }
 
-TEST(Window, KeepsKeysUntilTheyAreTaken) {
+TEST(Window, QueuesKeysUntilTaken) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
     client::Window window(320, 240, "test");
-    // As the window system calls them.
+    // As called by the window system.
     GLFWwindow* const native = glfwGetCurrentContext();
     const GLFWkeyfun on_key = glfwSetKeyCallback(native, nullptr);
     const GLFWcharfun on_character = glfwSetCharCallback(native, nullptr);
@@ -107,7 +107,7 @@ TEST(Window, KeepsKeysUntilTheyAreTaken) {
     EXPECT_FALSE(window.open());
 }
 
-TEST_F(AWindow, KeepsWhatTheMouseDidUntilItIsTaken) {
+TEST_F(WindowTest, QueuesDragsUntilTaken) {
     const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native_, nullptr);
     const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native_, nullptr);
     const GLFWscrollfun on_wheel = glfwSetScrollCallback(native_, nullptr);
@@ -120,14 +120,14 @@ TEST_F(AWindow, KeepsWhatTheMouseDidUntilItIsTaken) {
     on_wheel(native_, 0.0, -2.0);
     const std::vector<client::Drag> drags = window_->take_drags();
     ASSERT_EQ(drags.size(), 3u);
-    EXPECT_TRUE(drags[0].from_x == 100.0f && drags[0].from_y == 50.0f && drags[0].second);
+    EXPECT_TRUE(drags[0].from_x == 100.0f && drags[0].from_y == 50.0f && drags[0].right_button);
     EXPECT_TRUE(drags[0].x == 10.0f && drags[0].y == -5.0f && drags[0].notches == 0.0f);
     EXPECT_TRUE(drags[1].from_x == 100.0f && drags[1].x == 2.0f && drags[1].y == 0.0f);
     EXPECT_TRUE(drags[2].from_x == 0.0f && drags[2].x == 0.0f && drags[2].notches == -2.0f);
     EXPECT_TRUE(window_->take_drags().empty());
 }
 
-TEST_F(AWindow, WithShiftAMarkIsDrawn) {
+TEST_F(WindowTest, ShiftDragDrawsMark) {
     const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native_, nullptr);
     const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native_, nullptr);
     on_move(native_, 100.0, 50.0);
@@ -139,37 +139,37 @@ TEST_F(AWindow, WithShiftAMarkIsDrawn) {
     const std::vector<client::Drag> drags = window_->take_drags();
     ASSERT_EQ(drags.size(), 3u);
     EXPECT_TRUE(drags[0].mark == Mark::begins && drags[0].at_x == 100.0f && drags[0].at_y == 50.0f);
-    EXPECT_TRUE(drags[1].mark == Mark::goes_on && drags[1].at_x == 110.0f && drags[1].from_x == 100.0f);
+    EXPECT_TRUE(drags[1].mark == Mark::continues && drags[1].at_x == 110.0f && drags[1].from_x == 100.0f);
     EXPECT_TRUE(drags[2].mark == Mark::ends && drags[2].at_x == 110.0f && drags[2].at_y == 45.0f);
 }
 
-TEST_F(AWindow, EscapeEndsTheWritingNotTheProgram) {
+TEST_F(WindowTest, EscapeEndsTextInputNotProgram) {
     const GLFWkeyfun on_key = glfwSetKeyCallback(native_, nullptr);
-    window_->keep_escape(true);
+    window_->intercept_escape(true);
     on_key(native_, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
     EXPECT_TRUE(window_->open());
     const std::vector<client::KeyEvent> keys = window_->take_keys();
     ASSERT_EQ(keys.size(), 1u);
     EXPECT_EQ(keys[0].key, client::key_escape);
-    window_->keep_escape(false);
+    window_->intercept_escape(false);
     on_key(native_, GLFW_KEY_ESCAPE, 0, GLFW_PRESS, 0);
     EXPECT_FALSE(window_->open());
 }
 
-TEST_F(AWindow, ResizedToNothingIsDrawnAndGrowsAgain) {
+TEST_F(WindowTest, MinimalSizeIsDrawnAndGrowsBack) {
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     client::Compositor compositor(window_->width(), window_->height(), render::qualities().front());
-    const client::Selection& four = client::instructors_selection();
+    const client::Selection& four = client::instructor_selection();
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 400}, {400, 2}, {320, 240}}) {
         glfwSetWindowSize(native_, width, height);
         for (int i = 0; i < 20; ++i) {
             window_->poll_events();
             compositor.resize(window_->width(), window_->height());
-            compositor.draw(four.plain, scene, hud::readout_of(scene, false), {}, false, four.arrangement);
+            compositor.draw(four.plain, scene, hud::make_readout(scene, false), {}, false, four.arrangement);
             const render::Viewport whole{0, 0, window_->width(), window_->height()};
             compositor.target().copy_to(0, whole, whole);
-            window_->show_frame();
+            window_->swap_buffers();
         }
         EXPECT_GE(window_->width(), 64);
         EXPECT_GE(window_->height(), 64);
@@ -178,10 +178,10 @@ TEST_F(AWindow, ResizedToNothingIsDrawnAndGrowsAgain) {
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
-TEST(Window, GivesUpWhereNoServerComesForAsLongAsWasAskedFor) {
+TEST(Window, GivesUpAfterWaitTimeWithoutServer) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    ask_to_stop(false);
+    request_stop(false);
     client::Options options;
     options.bus = synthetic::bus_options("eti-client");
     options.width = 320;
@@ -199,10 +199,10 @@ TEST(Window, GivesUpWhereNoServerComesForAsLongAsWasAskedFor) {
     EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));
 }
 
-TEST(Window, FollowsASessionOverTheBus) {
+TEST(Window, FollowsSessionOverBus) {
     const test::VirtualDisplay display;
     ASSERT_TRUE(display.ready()) << "Xvfb does not start; install the package xvfb";
-    ask_to_stop(false);
+    request_stop(false);
     synthetic::SyntheticServer server(1e9);
     client::Options options;
     options.bus = synthetic::bus_options("eti-client");

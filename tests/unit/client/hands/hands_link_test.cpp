@@ -9,7 +9,7 @@
 #include <functional>
 #include <thread>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "synthetic_scene.hpp"
 #include "tests/support/bus_domain.hpp"
 
@@ -22,10 +22,10 @@ bus::Options options(const std::string& name) {
     return test::bus_options(name, "hands-test-" + std::to_string(::getpid()));
 }
 
-// A server that only says where things are, and hears of the tools' poses.
+// A server that only publishes positions and receives the tools' poses.
 class HandsLinkTest : public ::testing::Test {
   protected:
-    // Lets simulation time pass until `enough`, or until only a hang is left.
+    // Advances simulation time until `enough`, or until the timeout.
     bool follow(const std::function<bool()>& enough) {
         const auto limit = std::chrono::steady_clock::now() + 120s;
         while (!enough()) {
@@ -59,7 +59,7 @@ class HandsLinkTest : public ::testing::Test {
     bus::Node client_{options("eti-client")};
 };
 
-TEST_F(HandsLinkTest, WritesTheHandsPosesAsADeviceDoes) {
+TEST_F(HandsLinkTest, PublishesHandPosesLikeDevice) {
     client::HandsLink link(client_, std::nullopt);
     ASSERT_TRUE(follow([&] { return heard_count_ > 20; }));
     const Vec3f before = bus::from_msg(heard_.pose().position());
@@ -68,29 +68,29 @@ TEST_F(HandsLinkTest, WritesTheHandsPosesAsADeviceDoes) {
     link.release(U'w');
     EXPECT_TRUE(bus::is_valid(heard_.pose()));
     const client::HandsState state = link.state();
-    EXPECT_TRUE(state.holding && state.ours[0] && state.ours[1]);
+    EXPECT_TRUE(state.holding && state.owned[0] && state.owned[1]);
 }
 
-TEST_F(HandsLinkTest, LeavesAToolToADevice) {
+TEST_F(HandsLinkTest, DoesNotPublishToolHeldByDevice) {
     bus::Node tracker(options("eti-haptics"));
     bus::Publisher<msg::ToolPose> device(tracker, bus::topics::laryngoscope_pose);
     client::HandsLink link(client_, std::nullopt);
-    ASSERT_TRUE(follow([&] { return link.state().holding && !link.state().ours[0]; }));
+    ASSERT_TRUE(follow([&] { return link.state().holding && !link.state().owned[0]; }));
     EXPECT_EQ(link.state().poses[0], 0u) << "not one pose beside the device's";
     ASSERT_TRUE(follow([&] { return link.state().poses[1] > 20; })) << "the tube is still the hand's";
 }
 
-TEST_F(HandsLinkTest, LetsGoOfAToolWhenADeviceComesLater) {
+TEST_F(HandsLinkTest, ReleasesToolWhenDeviceAppears) {
     client::HandsLink link(client_, std::nullopt);
     ASSERT_TRUE(follow([&] { return heard_count_ > 5; }));
     bus::Node tracker(options("eti-haptics"));
     const bus::Publisher<msg::ToolPose> device(tracker, bus::topics::laryngoscope_pose);
-    ASSERT_TRUE(follow([&] { return !link.state().ours[0]; }));
+    ASSERT_TRUE(follow([&] { return !link.state().owned[0]; }));
     const std::uint32_t written = link.state().poses[0];
     const std::uint64_t until = time_ns_ + 500'000'000;
     ASSERT_TRUE(follow([&] { return time_ns_ > until; }));
     EXPECT_EQ(link.state().poses[0], written);
-    EXPECT_TRUE(link.state().ours[1]);
+    EXPECT_TRUE(link.state().owned[1]);
 }
 
 }  // namespace

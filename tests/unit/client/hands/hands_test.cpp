@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "client/app/command_keys.hpp"
-#include "client/app/selection.hpp"
-#include "client/app/vantage_controls.hpp"
+#include "client/app/window/command_keys.hpp"
+#include "client/app/window/selection.hpp"
+#include "client/app/window/vantage_controls.hpp"
 #include "client/hands/picture_plane.hpp"
 #include "synthetic_scene.hpp"
 
@@ -17,7 +17,7 @@ using client::Drag;
 using client::Hands;
 
 constexpr float hands_dt = 1.0f / 180.0f, hands_height = 540.0f;
-constexpr float hands_tolerance = 2e-6f;  // [m], of floats of a metre
+constexpr float hands_tolerance = 2e-6f;  // [m], rounding of floats of a metre
 
 class HandsTest : public ::testing::Test {
   protected:
@@ -42,7 +42,7 @@ class HandsTest : public ::testing::Test {
     }();
 };
 
-TEST_F(HandsTest, BeginBeforeTheMouthOnTheWayIn) {
+TEST_F(HandsTest, StartBeforeMouthPointingInwards) {
     const Vec3f& mouth = at(scene_.landmarks, Landmark::mouth_opening);
     for (const Tool tool : {Tool::laryngoscope, Tool::tube}) {
         const client::HeldTool& held = hands_.held(tool);
@@ -51,7 +51,7 @@ TEST_F(HandsTest, BeginBeforeTheMouthOnTheWayIn) {
         EXPECT_LT(away, 0.07f);
         // The hand is farther out than the tip, and the handle or the tube's hollow side is anterior.
         EXPECT_GT((held.pose().translation - mouth).norm(), away + 0.04f);
-        const Vec3f ahead = held.tip() - held.along(held.length() - 5e-3f);
+        const Vec3f ahead = held.tip() - held.point_at(held.length() - 5e-3f);
         EXPECT_GT(ahead.dot(at(scene_.landmarks, Landmark::glottis) - held.tip()), 0.0f)
             << "towards the throat";
         EXPECT_LT(ahead.z(), 0.0f);
@@ -59,7 +59,7 @@ TEST_F(HandsTest, BeginBeforeTheMouthOnTheWayIn) {
     }
 }
 
-TEST_F(HandsTest, OnlyTheHandWhoseTurnItIsMoves) {
+TEST_F(HandsTest, OnlyActiveHandMoves) {
     const Vec3f blade_tip = blade().tip(), tube_tip = tube().tip();
     drag({.x = 30.0f});
     follow(100);
@@ -73,27 +73,27 @@ TEST_F(HandsTest, OnlyTheHandWhoseTurnItIsMoves) {
     EXPECT_GT((tube().tip() - tube_tip).norm(), 1e-3f);
 }
 
-TEST_F(HandsTest, TheTipGoesWithThePointer) {
+TEST_F(HandsTest, TipFollowsPointer) {
     const Vec3f from = blade().tip();
     drag({.x = 20.0f, .y = -8.0f});
     follow(100);
-    const Vec3f expected = client::in_picture(camera_, hands_height, from, 20.0f, -8.0f);
+    const Vec3f expected = client::picture_displacement(camera_, hands_height, from, 20.0f, -8.0f);
     EXPECT_NEAR((blade().tip() - from - expected).norm(), 0.0f, hands_tolerance);
 }
 
-TEST_F(HandsTest, TheWheelSlidesTheToolAndTheRightButtonSwingsTheHand) {
+TEST_F(HandsTest, WheelSlidesToolAndRightButtonSwingsGrip) {
     const Vec3f from = blade().tip(), axis = blade().pose().rotation * Vec3f::UnitZ();
     drag({.notches = 3.0f});
     follow(100);
     EXPECT_NEAR((blade().tip() - from - 6e-3f * axis).norm(), 0.0f, hands_tolerance) << "2 mm a notch";
     const Vec3f tip = blade().tip(), grip = blade().pose().translation;
-    drag({.y = 25.0f, .second = true});
+    drag({.y = 25.0f, .right_button = true});
     follow(100);
     EXPECT_NEAR((blade().tip() - tip).norm(), 0.0f, hands_tolerance);
     EXPECT_GT((blade().pose().translation - grip).norm(), 1e-3f);
 }
 
-TEST_F(HandsTest, KeysMoveWhileTheyAreHeld) {
+TEST_F(HandsTest, KeysMoveToolWhileHeld) {
     const RigidTransform from = blade().pose();
     EXPECT_TRUE(hands_.press(U'w'));
     follow(90);  // half a second at 15 mm/s
@@ -110,22 +110,22 @@ TEST_F(HandsTest, KeysMoveWhileTheyAreHeld) {
     EXPECT_FALSE(hands_.press(U'?'));
 }
 
-TEST_F(HandsTest, ATubeInTheMouthIsTurnedAboutTheLips) {
+TEST_F(HandsTest, TubeInMouthPivotsAboutLips) {
     (void)hands_.press(client::other_hand_key);
     const Vec3f& mouth = at(scene_.landmarks, Landmark::mouth_opening);
-    for (int i = 0; i < 40 && tube().length_until(mouth) > 0.07f; ++i) {
+    for (int i = 0; i < 40 && tube().arc_length_to(mouth) > 0.07f; ++i) {
         drag({.notches = 1.0f});
         follow(20);
     }
-    const float outside = tube().length_until(mouth);
+    const float outside = tube().arc_length_to(mouth);
     ASSERT_LT(outside, tube_.grip_from_tip - 5e-3f);
-    const Vec3f lips = tube().along(outside);
+    const Vec3f lips = tube().point_at(outside);
     drag({.x = 15.0f});
     follow(100);
-    EXPECT_NEAR((tube().along(outside) - lips).norm(), 0.0f, hands_tolerance);
+    EXPECT_NEAR((tube().point_at(outside) - lips).norm(), 0.0f, hands_tolerance);
 }
 
-TEST_F(HandsTest, GoBackToTheirStart) {
+TEST_F(HandsTest, HomeKeyReturnsToStart) {
     const RigidTransform start = blade().pose();
     drag({.x = 40.0f, .notches = 5.0f});
     follow(100);
@@ -134,12 +134,12 @@ TEST_F(HandsTest, GoBackToTheirStart) {
     EXPECT_NEAR((blade().pose().translation - start.translation).norm(), 0.0f, hands_tolerance);
 }
 
-// A key that had two meanings would do only one of them.
-TEST(HandKeys, AreNoOtherKeysOfTheWindow) {
+// A key with two meanings would perform only one of them.
+TEST(HandKeys, DoNotCollideWithOtherKeys) {
     for (const client::HandKey& row : client::hand_keys()) {
         EXPECT_EQ(client::command_key(row.key), nullptr) << row.caption;
         EXPECT_EQ(client::vantage_key(row.key), nullptr) << row.caption;
-        EXPECT_EQ(client::selection_of_key(static_cast<char>(row.key)), nullptr) << row.caption;
+        EXPECT_EQ(client::selection_for_key(static_cast<char>(row.key)), nullptr) << row.caption;
         EXPECT_TRUE(client::is_hand_key(row.key));
     }
     EXPECT_EQ(client::command_key(client::home_key), nullptr);

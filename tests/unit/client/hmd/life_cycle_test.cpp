@@ -12,19 +12,19 @@ namespace {
 
 using enum SessionState;
 
-std::vector<Duty> through(LifeCycle& life, std::initializer_list<SessionState> states) {
-    std::vector<Duty> out;
+std::vector<RequiredCall> through(LifeCycle& life, std::initializer_list<SessionState> states) {
+    std::vector<RequiredCall> out;
     for (const SessionState state : states) {
         out.push_back(life.enter(state));
     }
     return out;
 }
 
-// OpenXR 1.0, figure 2 "Session life cycle": from being made to being worn.
-TEST(LifeCycle, BeginsWhenTheRuntimeIsReadyAndShowsWhenItIsVisible) {
+// OpenXR 1.0, figure 2 "Session life cycle": from creation to the focused state.
+TEST(LifeCycle, BeginsWhenReadyAndShowsWhenVisible) {
     LifeCycle life;
     EXPECT_FALSE(life.running());
-    EXPECT_EQ(through(life, {idle, ready}), (std::vector{Duty::none, Duty::begin_session}));
+    EXPECT_EQ(through(life, {idle, ready}), (std::vector{RequiredCall::none, RequiredCall::begin_session}));
     EXPECT_TRUE(life.running());
     EXPECT_FALSE(life.visible());
     (void)life.enter(synchronized);
@@ -36,7 +36,7 @@ TEST(LifeCycle, BeginsWhenTheRuntimeIsReadyAndShowsWhenItIsVisible) {
     EXPECT_TRUE(life.focused());
 }
 
-TEST(LifeCycle, AMenuOfTheRuntimeHasTheHandsMeanwhile) {
+TEST(LifeCycle, RuntimeMenuTakesFocus) {
     LifeCycle life;
     (void)through(life, {idle, ready, synchronized, visible, focused, visible});
     EXPECT_TRUE(life.visible());
@@ -45,56 +45,57 @@ TEST(LifeCycle, AMenuOfTheRuntimeHasTheHandsMeanwhile) {
     EXPECT_TRUE(life.focused());
 }
 
-TEST(LifeCycle, AHeadsetPutAsideEndsTheSessionAndBeginsItAgain) {
+TEST(LifeCycle, DoffingEndsSessionAndDonningRestartsIt) {
     LifeCycle life;
     (void)through(life, {idle, ready, synchronized, visible, focused});
     EXPECT_EQ(through(life, {visible, synchronized, stopping}),
-              (std::vector{Duty::none, Duty::none, Duty::end_session}));
+              (std::vector{RequiredCall::none, RequiredCall::none, RequiredCall::end_session}));
     EXPECT_FALSE(life.running());
     EXPECT_EQ(life.end(), SessionEnd::none) << "it may be put on again";
-    EXPECT_EQ(through(life, {idle, ready}), (std::vector{Duty::none, Duty::begin_session}));
+    EXPECT_EQ(through(life, {idle, ready}), (std::vector{RequiredCall::none, RequiredCall::begin_session}));
     EXPECT_TRUE(life.running());
 }
 
-TEST(LifeCycle, WhatWasDoneIsNotDoneAgain) {
+TEST(LifeCycle, RepeatedStateHasNoEffect) {
     LifeCycle life;
     EXPECT_EQ(through(life, {stopping, ready, ready}),
-              (std::vector{Duty::none, Duty::begin_session, Duty::none}));
-    EXPECT_EQ(through(life, {stopping, stopping}), (std::vector{Duty::end_session, Duty::none}));
+              (std::vector{RequiredCall::none, RequiredCall::begin_session, RequiredCall::none}));
+    EXPECT_EQ(through(life, {stopping, stopping}),
+              (std::vector{RequiredCall::end_session, RequiredCall::none}));
 }
 
-TEST(LifeCycle, WhoeverWearsItMayLeave) {
+TEST(LifeCycle, WearerCanExit) {
     LifeCycle life;
     (void)through(
         life, {idle, ready, synchronized, visible, focused, visible, synchronized, stopping, idle, exiting});
     EXPECT_EQ(life.end(), SessionEnd::left);
-    EXPECT_EQ(life.enter(ready), Duty::none) << "what is over stays over";
+    EXPECT_EQ(life.enter(ready), RequiredCall::none) << "what is over stays over";
     EXPECT_FALSE(life.running());
 }
 
-TEST(LifeCycle, TheProgramAsksTheRuntimeOnlyWhileItRuns) {
+TEST(LifeCycle, RequestsExitOnlyWhileRunning) {
     LifeCycle running;
     (void)through(running, {idle, ready});
-    EXPECT_TRUE(running.ask_to_leave());
+    EXPECT_TRUE(running.request_exit());
     EXPECT_EQ(running.end(), SessionEnd::none) << "the runtime leads to the end";
     LifeCycle unworn;
     (void)unworn.enter(idle);
-    EXPECT_FALSE(unworn.ask_to_leave());
+    EXPECT_FALSE(unworn.request_exit());
     EXPECT_EQ(unworn.end(), SessionEnd::left);
 }
 
-TEST(LifeCycle, TheFirstLossCounts) {
+TEST(LifeCycle, KeepsFirstLossReason) {
     LifeCycle headset;
     (void)through(headset, {idle, ready, synchronized, visible, loss_pending});
-    EXPECT_EQ(headset.end(), SessionEnd::headset_gone);
+    EXPECT_EQ(headset.end(), SessionEnd::headset_lost);
     EXPECT_FALSE(headset.running()) << "no call may follow but that which destroys it";
-    headset.lose(SessionEnd::runtime_gone);
-    EXPECT_EQ(headset.end(), SessionEnd::headset_gone);
+    headset.end_with(SessionEnd::runtime_lost);
+    EXPECT_EQ(headset.end(), SessionEnd::headset_lost);
     LifeCycle runtime;
     (void)through(runtime, {idle, ready, synchronized});
-    runtime.lose(SessionEnd::runtime_gone);
-    EXPECT_EQ(runtime.enter(stopping), Duty::none);
-    EXPECT_EQ(runtime.end(), SessionEnd::runtime_gone);
+    runtime.end_with(SessionEnd::runtime_lost);
+    EXPECT_EQ(runtime.enter(stopping), RequiredCall::none);
+    EXPECT_EQ(runtime.end(), SessionEnd::runtime_lost);
 }
 
 }  // namespace

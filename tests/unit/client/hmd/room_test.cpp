@@ -10,8 +10,8 @@
 namespace eti::hmd {
 namespace {
 
-// Patient: x to its left, y to its back, z to its head. World: x to the trainee's right, y up, z back.
-TEST(Room, ThePatientLiesOnItsBackWithItsHeadTowardsTheTrainee) {
+// Patient: x to its left, y posterior, z to its head. World: x to the trainee's right, y up, z back.
+TEST(Room, PatientIsSupineWithHeadTowardsTrainee) {
     const Room room{.gum = {0.1f, -0.2f, -0.3f}};
     const RigidTransform patient = room.patient(0.0f);
     const auto turned = [&](const Vec3f& direction) { return Vec3f(patient.rotation * direction); };
@@ -22,7 +22,7 @@ TEST(Room, ThePatientLiesOnItsBackWithItsHeadTowardsTheTrainee) {
         << "its left hand lies on the trainee's left";
 }
 
-TEST(Room, ATableTiltedHeadUpLiftsTheHeadAboutTheMouth) {
+TEST(Room, HeadUpTiltRotatesPatientAboutMouth) {
     const Room room;
     const float angle = 0.25f;
     const RigidTransform patient = room.patient(angle);

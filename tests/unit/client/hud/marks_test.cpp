@@ -38,7 +38,7 @@ class Labels : public ::testing::Test {
     ImFont* font_;
 };
 
-TEST_F(Labels, ACrowdIsReadAllTheSame) {
+TEST_F(Labels, CrowdedLabelsDoNotOverlap) {
     hud::Tile tile{"section", 100, 50, 300, 150};
     for (int i = 0; i < 6; ++i) {
         tile.marks.push_back(dot(250.0f + 3.0f * static_cast<float>(i), 120.0f, "oesophagus", i % 2 == 0));
@@ -59,19 +59,19 @@ TEST_F(Labels, ACrowdIsReadAllTheSame) {
     }
 }
 
-TEST_F(Labels, StandBesideWhatTheyNameWhereNothingElseIs) {
+TEST_F(Labels, SitBesideTheirMarkIfSpaceIsFree) {
     hud::Tile tile{"eye", 0, 0, 300, 150};
     tile.marks = {dot(150.0f, 75.0f, "blade"), dot(150.0f, 20.0f, "1.0 N", true)};
     hud::place_labels(tile, *font_);
     EXPECT_FLOAT_EQ(tile.marks[0].label->x(), 10.0f);
     EXPECT_FLOAT_EQ(box(tile.marks[1]).high.x(), 140.0f);
-    // At the tile's edge the other side has room.
+    // At the tile's edge the text moves to the other side.
     tile.marks = {dot(290.0f, 75.0f, "blade")};
     hud::place_labels(tile, *font_);
     EXPECT_FLOAT_EQ(box(tile.marks[0]).high.x(), 280.0f);
 }
 
-TEST_F(Labels, OfWhatLiesOutsideOnlyALineThatReachesInHasOne) {
+TEST_F(Labels, OutsideTileOnlyCrossingLinesAreLabelled) {
     hud::Tile tile{"section", 0, 0, 300, 150};
     tile.marks = {dot(320.0f, 75.0f, "blade"),
                   {{150.0f, 75.0f}, {150.0f, 900.0f}, hud::Level::neutral, "throat"},

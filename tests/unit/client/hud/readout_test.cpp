@@ -9,20 +9,20 @@
 #include <string>
 
 #include "client/hud/hud.hpp"
-#include "client/render/headless_context.hpp"
-#include "client/render/render_target.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/gl/render_target.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
 namespace {
 
-TEST(Readout, SaysWhatTheMessagesSaid) {
+TEST(Readout, ReflectsReceivedMessages) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
-    EXPECT_EQ(hud::readout_of(scene, false).link, hud::Link::waiting);
+    EXPECT_EQ(hud::make_readout(scene, false).link, hud::ServerLink::waiting);
     synthetic::fill(scene, source);
-    hud::Readout readout = hud::readout_of(scene, false);
-    EXPECT_EQ(readout.link, hud::Link::running);
+    hud::Readout readout = hud::make_readout(scene, false);
+    EXPECT_EQ(readout.link, hud::ServerLink::running);
     EXPECT_FLOAT_EQ(readout.glottic_opening_percent, 40.0f);
     EXPECT_FLOAT_EQ(readout.gum_force_n, 1.5f);
     EXPECT_FLOAT_EQ(readout.tube_force_n, 0.25f);
@@ -33,23 +33,23 @@ TEST(Readout, SaysWhatTheMessagesSaid) {
         100.0f *
         (at(source.landmarks, Landmark::vallecula) - at(source.landmarks, Landmark::upper_gum)).norm();
     EXPECT_NEAR(readout.blade_depth_cm, expected, 0.1f);
-    EXPECT_EQ(hud::readout_of(scene, true).link, hud::Link::lost);
+    EXPECT_EQ(hud::make_readout(scene, true).link, hud::ServerLink::lost);
     scene.apply(synthetic::status(msg::PHASE_FINISHED));
-    EXPECT_EQ(hud::readout_of(scene, true).link, hud::Link::finished);
+    EXPECT_EQ(hud::make_readout(scene, true).link, hud::ServerLink::finished);
 }
 
-TEST(Readout, ShowsVitalSignsWhereTheyAreSimulated) {
+TEST(Readout, ShowsVitalSignsOnlyIfSimulated) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
-    EXPECT_FALSE(hud::readout_of(scene, false).vital_signs);
+    EXPECT_FALSE(hud::make_readout(scene, false).vital_signs);
     msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 40.0f);
-    Parameters parameters = starting_parameters();
+    AttemptMetrics parameters = initial_metrics();
     parameters.oxygen_saturation_end_percent = 78.5;
     parameters.heart_rate_end_per_min = 96.0;
     live.parameters(bus::to_msg(parameters));
     ASSERT_TRUE(scene.apply(live));
-    const auto signs = hud::readout_of(scene, false).vital_signs;
+    const auto signs = hud::make_readout(scene, false).vital_signs;
     ASSERT_TRUE(signs);
     EXPECT_DOUBLE_EQ(signs->oxygen_saturation_percent, 78.5);
     EXPECT_DOUBLE_EQ(signs->heart_rate_per_min, 96.0);
@@ -58,15 +58,15 @@ TEST(Readout, ShowsVitalSignsWhereTheyAreSimulated) {
     EXPECT_EQ(hud::saturation_level(97.0), hud::Level::good);
 }
 
-TEST(Readout, CountsWhatTheSessionAsksFor) {
+TEST(Readout, ShowsOnlyEnabledAidsWithLevels) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
-    const auto readout = [&](const LiveValues& aids, double time, double depth, msg::TubePlace place,
+    const auto readout = [&](const RuntimeParameters& aids, double time, double depth, msg::TubePlace place,
                              float gum) {
         msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 40.0f);
-        bus::put_live(aids, live);
-        Parameters parameters = starting_parameters();
+        bus::set_runtime_parameters(aids, live);
+        AttemptMetrics parameters = initial_metrics();
         parameters.time_s = time;
         parameters.tube_depth_at_lip_cm = depth;
         parameters.tube_depth_rule_cm = 9.5;
@@ -74,13 +74,13 @@ TEST(Readout, CountsWhatTheSessionAsksFor) {
         live.tube_place(place);
         live.gum_force_n(gum);
         EXPECT_TRUE(scene.apply(live));
-        return hud::readout_of(scene, false);
+        return hud::make_readout(scene, false);
     };
     const hud::Readout plain = readout({}, 31.0, 12.0, msg::TUBE_IN_OESOPHAGUS, 9.0f);
     EXPECT_FALSE(plain.clock);
     EXPECT_FALSE(plain.tube_depth);
     EXPECT_TRUE(plain.alarms.empty());
-    LiveValues aids;
+    RuntimeParameters aids;
     aids.view_clock = 1.0f;
     for (const auto& [time, level] :
          {std::pair{12.0, hud::Level::good}, {20.5, hud::Level::warning}, {30.1, hud::Level::bad}}) {
@@ -108,55 +108,55 @@ TEST(Readout, CountsWhatTheSessionAsksFor) {
     EXPECT_EQ(alarms(10.6, msg::TUBE_IN_TRACHEA, 1.0f), Words{"tube too deep"});
 }
 
-TEST(Readout, ABladeBeforeTheMouthHasNoDepth) {
+TEST(Readout, BladeOutsideMouthHasZeroDepth) {
     const synthetic::Scene source = synthetic::make_scene();
     EXPECT_EQ(hud::blade_depth(source.landmarks, Vec3f(0.0f, -0.1f, 0.1f)), 0.0f);
 }
 
-TEST(Readout, TellsAnAttemptsEndForSomeSecondsAndTheRunsForGood) {
+TEST(Readout, AttemptVerdictExpiresAndRunVerdictStays) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
-    EXPECT_FALSE(hud::readout_of(scene, false).verdict);
+    EXPECT_FALSE(hud::make_readout(scene, false).verdict);
     scene.apply(synthetic::summary(1, false, 2'000'000'000));
     scene.apply(synthetic::deformation(source, 3'000'000'000, 0.0f, 0.0f));
-    const auto verdict = hud::readout_of(scene, false).verdict;
+    const auto verdict = hud::make_readout(scene, false).verdict;
     ASSERT_TRUE(verdict);
     EXPECT_EQ(verdict->title, "attempt 1: no success");
     EXPECT_EQ(verdict->reason, "the tube lies in the oesophagus");
     ASSERT_EQ(verdict->numbers.size(), 5u);
-    // Labels and units are the table's; each value is its place there.
+    // Labels and units are the table's; each value is its index there.
     for (const auto& [label, value] : verdict->numbers) {
-        const auto field = std::ranges::find(parameter_fields, label, &ParameterField::label);
-        ASSERT_NE(field, parameter_fields.end()) << label;
-        EXPECT_EQ(value, std::to_string(field - parameter_fields.begin()) + ".0 " + std::string(field->unit));
+        const auto field = std::ranges::find(metric_fields, label, &MetricField::label);
+        ASSERT_NE(field, metric_fields.end()) << label;
+        EXPECT_EQ(value, std::to_string(field - metric_fields.begin()) + ".0 " + std::string(field->unit));
     }
     scene.apply(synthetic::deformation(source, 20'000'000'000, 0.0f, 0.0f));
-    EXPECT_FALSE(hud::readout_of(scene, false).verdict) << "the attempt ended 18 s ago";
+    EXPECT_FALSE(hud::make_readout(scene, false).verdict) << "the attempt ended 18 s ago";
     scene.apply(synthetic::status(msg::PHASE_FINISHED));
-    EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "attempt 1: no success");
+    EXPECT_EQ(hud::make_readout(scene, false).verdict->title, "attempt 1: no success");
     scene.apply(synthetic::summary(0, true, 20'000'000'000));
-    EXPECT_EQ(hud::readout_of(scene, false).verdict->title, "session: success");
+    EXPECT_EQ(hud::make_readout(scene, false).verdict->title, "session: success");
 }
 
-TEST(Readout, AManikinDoesNotTellHowAnAttemptEnded) {
+TEST(Readout, ManikinAttemptOutcomeIsUnknown) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
-    Parameters parameters = starting_parameters();
+    AttemptMetrics parameters = initial_metrics();
     msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 0.0f);
     live.gum_force_n(9.0f);
     live.parameters(bus::to_msg(parameters));
     ASSERT_TRUE(scene.apply(live));
-    EXPECT_TRUE(hud::readout_of(scene, false).airway_measured);
-    parameters = synthetic::parameters_of_a_manikin();
+    EXPECT_TRUE(hud::make_readout(scene, false).airway_measured);
+    parameters = synthetic::manikin_metrics();
     live.parameters(bus::to_msg(parameters));
     ASSERT_TRUE(scene.apply(live));
     msg::AttemptSummary ended = synthetic::summary(1, false, 2'000'000'000);
     ended.reason("on a manikin nothing measures it");
     ended.parameters(bus::to_msg(parameters));
     ASSERT_TRUE(scene.apply(ended));
-    const hud::Readout readout = hud::readout_of(scene, false);
+    const hud::Readout readout = hud::make_readout(scene, false);
     EXPECT_FALSE(readout.airway_measured);
     EXPECT_TRUE(readout.alarms.empty());
     ASSERT_TRUE(readout.verdict);
@@ -165,45 +165,45 @@ TEST(Readout, AManikinDoesNotTellHowAnAttemptEnded) {
     EXPECT_EQ(readout.verdict->reason, "on a manikin nothing measures it");
 }
 
-TEST(Readout, NamesTheDeviceThatFellSilent) {
+TEST(Readout, NamesSilentDevice) {
     view::SceneView scene;
     synthetic::fill(scene, synthetic::make_scene());
     auto status = synthetic::status(msg::PHASE_RUNNING);
     status.laryngoscope(msg::DEVICE_HEARD);
     scene.apply(status);
-    EXPECT_EQ(hud::readout_of(scene, false).warning, "");
+    EXPECT_EQ(hud::make_readout(scene, false).warning, "");
     status.laryngoscope(msg::DEVICE_SILENT);
     scene.apply(status);
-    EXPECT_EQ(hud::readout_of(scene, false).warning, "laryngoscope is silent");
+    EXPECT_EQ(hud::make_readout(scene, false).warning, "laryngoscope is silent");
     status.tube(msg::DEVICE_SILENT);
     status.phase(msg::PHASE_FROZEN);
     scene.apply(status);
-    EXPECT_EQ(hud::readout_of(scene, false).warning, "laryngoscope and tube are silent: time stands still");
-    EXPECT_EQ(hud::readout_of(scene, false, true).warning, "two servers serve this session: end one");
+    EXPECT_EQ(hud::make_readout(scene, false).warning, "laryngoscope and tube are silent: time stands still");
+    EXPECT_EQ(hud::make_readout(scene, false, true).warning, "two servers serve this session: end one");
 }
 
-TEST(Readout, TellsTheScenarioWhileWaitingAndInTheFirstSeconds) {
+TEST(Readout, ShowsScenarioWhileWaitingAndAtStart) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
-    EXPECT_EQ(hud::readout_of(scene, false).description, "");
+    EXPECT_EQ(hud::make_readout(scene, false).description, "");
     scene.apply(source.description);
-    EXPECT_EQ(hud::readout_of(scene, false).link, hud::Link::waiting);
-    EXPECT_EQ(hud::readout_of(scene, false).scenario, "synthetic");
-    EXPECT_EQ(hud::readout_of(scene, false).description, "made by a test");
+    EXPECT_EQ(hud::make_readout(scene, false).link, hud::ServerLink::waiting);
+    EXPECT_EQ(hud::make_readout(scene, false).scenario, "synthetic");
+    EXPECT_EQ(hud::make_readout(scene, false).description, "made by a test");
     synthetic::fill(scene, source);
     scene.apply(synthetic::deformation(source, 9'000'000'000, 0.0f, 0.0f));
-    EXPECT_EQ(hud::readout_of(scene, false).description, "made by a test");
+    EXPECT_EQ(hud::make_readout(scene, false).description, "made by a test");
     scene.apply(synthetic::deformation(source, 11'000'000'000, 0.0f, 0.0f));
-    EXPECT_EQ(hud::readout_of(scene, false).description, "");
+    EXPECT_EQ(hud::make_readout(scene, false).description, "");
 }
 
-TEST(Hud, DrawsTheVerdictGreenOrRed) {
+TEST(Hud, DrawsVerdictInGreenOrRed) {
     render::HeadlessContext context;
     render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
     const auto picture = [&](const std::optional<hud::Verdict>& verdict) {
         hud::Readout readout;
-        readout.link = hud::Link::running;
+        readout.link = hud::ServerLink::running;
         readout.verdict = verdict;
         target.bind_picture();
         glClearColor(0, 0, 0, 1);
@@ -226,11 +226,11 @@ TEST(Hud, DrawsTheVerdictGreenOrRed) {
     verdict.level = hud::Level::bad;
     EXPECT_GT(pixels(picture(verdict), 0), 200);
     EXPECT_EQ(pixels(picture(verdict), 1), 0);
-    verdict.level = hud::Level::neutral;  // neither, where nobody measured it
+    verdict.level = hud::Level::neutral;  // neither, where it was not measured
     EXPECT_EQ(pixels(picture(verdict), 0) + pixels(picture(verdict), 1), 0);
 }
 
-TEST(Hud, ATileNeedsNoTitle) {
+TEST(Hud, UntitledTileRaisesNoGlError) {
     render::HeadlessContext context;
     render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
@@ -240,7 +240,7 @@ TEST(Hud, ATileNeedsNoTitle) {
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
-TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
+TEST(Hud, DrawsHelpAndNoticesIfPresent) {
     render::HeadlessContext context;
     render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
@@ -257,7 +257,7 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
         return lit;
     };
     hud::Readout readout;
-    readout.link = hud::Link::running;
+    readout.link = hud::ServerLink::running;
     EXPECT_EQ(lit_pixels(readout), 0);
     readout.notice = "refused: nothing has moved yet";
     const int noticed = lit_pixels(readout);
@@ -269,7 +269,7 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
     readout.guidance = {"2 of 5: blade in", "Drag with the left button"};
     const int guided = lit_pixels(readout);
     EXPECT_GT(guided, listed + 10 * 30);
-    // A line that fills the panel to the pixel, 40 letters of 7, does not hide those that follow it.
+    // A line that fills the panel to the pixel, 40 letters of 7, does not hide the following ones.
     readout.keys.clear();
     readout.notice.clear();
     readout.guidance = {"title", std::string(40, 'M') + " MMMM"};
@@ -279,14 +279,14 @@ TEST(Hud, DrawsHelpAndNoticesWhereThereAreSome) {
         << "one of eleven words of four";
 }
 
-TEST(Hud, DrawsNumbersAndABarThatGrowsWithTheForce) {
+TEST(Hud, DrawsNumbersAndBarGrowingWithForce) {
     render::HeadlessContext context;
     render::RenderTarget target(640, 360, 1);
     hud::Hud overlay;
     const hud::Tile tile{"overview", 0, 0, 640, 360};
     const auto coloured = [&](float force) {
         hud::Readout readout;
-        readout.link = hud::Link::running;
+        readout.link = hud::ServerLink::running;
         readout.gum_force_n = force;
         target.bind_picture();
         glClearColor(0, 0, 0, 1);

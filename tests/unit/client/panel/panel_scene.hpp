@@ -9,15 +9,15 @@
 
 #include "client/panel/model.hpp"
 #include "client/view/scene_view.hpp"
-#include "common/bus/convert.hpp"
-#include "common/bus/session_keys.hpp"
+#include "common/bus/codec/convert.hpp"
+#include "common/bus/security/session_keys.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti::test {
 
 using namespace std::chrono_literals;
 
-/// A model, and a server that a test plays: no bus, no clock.
+/// A model and a server under the test's control: no bus, no clock.
 struct PanelScene {
     using Sent = std::vector<std::pair<std::string, float>>;
 
@@ -33,15 +33,14 @@ struct PanelScene {
         synthetic::fill(scene, source);
     }
 
-    /// The server says how things are, `seconds` of both clocks later.
+    /// Publishes the state, `seconds` later on both clocks.
     void say(double seconds = 1.0 / 30.0) {
         time_s += seconds;
         now += std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
         const auto time_ns = static_cast<std::uint64_t>(1e9 * time_s);
         auto metrics = synthetic::metrics(source, time_ns, opening);
-        bus::put_live(live, metrics);
-        metrics.parameters(
-            bus::to_msg(manikin ? synthetic::parameters_of_a_manikin() : starting_parameters()));
+        bus::set_runtime_parameters(live, metrics);
+        metrics.parameters(bus::to_msg(manikin ? synthetic::manikin_metrics() : initial_metrics()));
         metrics.gum_force_n(gum_force);
         metrics.tube_depth_past_glottis(tube_depth);
         scene.apply(metrics);
@@ -60,12 +59,14 @@ struct PanelScene {
         }
         throw std::runtime_error("no row " + std::string(name));
     }
-    [[nodiscard]] const panel::Row& at(std::string_view name) const { return model.rows()[row(name)]; }
+    [[nodiscard]] const panel::ParameterRow& at(std::string_view name) const {
+        return model.rows()[row(name)];
+    }
 
     synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     panel::Connection connection;
-    LiveValues live;
+    RuntimeParameters live;
     float opening = 40.0f, gum_force = 1.5f, tube_depth = 0.01f, load = 0.5f;
     bool served = true, manikin = false;
     double time_s = 1.0;

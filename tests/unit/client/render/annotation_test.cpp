@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "client/render/annotation_pass.hpp"
-#include "client/render/pick.hpp"
-#include "client/view/line_of_sight.hpp"
+#include "client/render/passes/annotation_pass.hpp"
+#include "client/render/views/pick.hpp"
+#include "client/view/sight/line_of_sight.hpp"
 #include "scene_picture.hpp"
 
 namespace eti::render {
@@ -22,12 +22,13 @@ constexpr float aspect = static_cast<float>(width) / static_cast<float>(height);
 
 class Pick : public test::ScenePicture {
   protected:
-    [[nodiscard]] static std::optional<Picked> at(const View& view, const view::SceneView& scene, int x,
-                                                  int y) {
+    [[nodiscard]] static std::optional<PickHit> at(const View& view, const view::SceneView& scene, int x,
+                                                   int y) {
         return pick(view, scene, {}, aspect, 2.0f * (static_cast<float>(x) + 0.5f) / width - 1.0f,
                     1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / height);
     }
-    // What the pixel at (x, y) and its neighbours all show; nothing at an edge, where half a pixel counts.
+    // Colour that the pixel at (x, y) and all its neighbours show; none at an edge, where half a pixel
+    // counts.
     [[nodiscard]] static std::optional<test::Colour> shown(const Image& ids, int x, int y) {
         const std::uint8_t* const p = ids.pixel(x, y);
         for (int j = y - 1; j <= y + 1; ++j) {
@@ -55,8 +56,8 @@ class Pick : public test::ScenePicture {
     }
 };
 
-// Against what the graphics driver draws, by the buffer of tissues.
-TEST_F(Pick, NamesWhatThePixelShows) {
+// Against the driver's own picture, by the tissue buffer.
+TEST_F(Pick, NamesTissueShownAtPixel) {
     for (const char* name : {"overview", "eye", "laryngoscope"}) {
         const View& view = named(name);
         const Image ids = picture(view, scene_, Shading::tissue_id);
@@ -78,40 +79,42 @@ TEST_F(Pick, NamesWhatThePixelShows) {
     }
 }
 
-// So does the dot of the look onto the glottis, from wherever the eye is.
-TEST_F(Pick, TheDotOfTheLookNamesWhatItsPixelShows) {
+// The dot of the gaze onto the glottis does so, too, for any position of the eye.
+TEST_F(Pick, GazeDotNamesTissueShownAtPixel) {
     const View& view = named("eye");
     std::map<std::string, int> seen;
     for (const float across : {-0.08f, -0.03f, -0.012f, -0.004f, 0.003f, 0.01f, 0.025f, 0.07f}) {
         for (const float along : {-0.05f, 0.0f, 0.04f, 0.09f}) {
             Vantage from;
             from.eye = view::TraineeEye(Vec3f(across, 0.0f, along));
-            const view::Look look = view::look_of(scene_, from.eye);
+            const view::LineOfSight look = view::trace_line_of_sight(scene_, from.eye);
             renderer_.sync(scene_);
             renderer_.draw(view, scene_, target_, {0, 0, width, height}, from, Shading::tissue_id);
             const Image ids = target_.read();
             const Camera camera = view.camera(scene_, from);
-            const Vec3f end = look.met ? look.met->where : look.sight.to;
+            const Vec3f end = look.obstacle ? look.obstacle->position : look.sight.to;
             const Vec3f clip =
                 (camera.projection(aspect) * camera.view() * end.homogeneous()).eval().hnormalized();
             const int x = static_cast<int>(0.5f * width * (1.0f + clip.x()));
             const int y = static_cast<int>(0.5f * height * (1.0f - clip.y()));
             ASSERT_TRUE(x > 0 && x < width - 1 && y > 0 && y < height - 1) << across << ", " << along;
             const auto colour = shown(ids, x, y);
-            if (!look.met || !colour) {
+            if (!look.obstacle || !colour) {
                 continue;
             }
             const std::string named_by_colour = name_of_colour(*colour);
             const std::string drawn = named_by_colour == "soft" ? "soft tissue" : named_by_colour;
-            EXPECT_EQ(std::string(look.met->name), drawn) << "an eye moved by " << across << ", " << along;
+            EXPECT_EQ(std::string(look.obstacle->name), drawn)
+                << "an eye moved by " << across << ", " << along;
             ++seen[drawn];
         }
     }
     EXPECT_GE(seen.size(), 2u);
 }
 
-// The place is where it is seen: its projection is the pixel, and its triangle and height lead to it.
-TEST_F(Pick, PlacesAreWhereTheyAreSeen) {
+// The picked point lies where it is seen: it projects onto the pixel, and its triangle and height lead back
+// to it.
+TEST_F(Pick, PickedPointProjectsOntoPixel) {
     for (const char* name : {"overview", "section"}) {
         const View& view = named(name);
         const Camera camera = view.camera(scene_, {});
@@ -124,19 +127,19 @@ TEST_F(Pick, PlacesAreWhereTheyAreSeen) {
                     continue;
                 }
                 ++places;
-                const Vec3f clip = (matrix * picked->where.homogeneous()).eval().hnormalized();
+                const Vec3f clip = (matrix * picked->position.homogeneous()).eval().hnormalized();
                 EXPECT_NEAR(0.5f * width * (1.0f + clip.x()), static_cast<float>(x) + 0.5f, 0.2f) << name;
                 EXPECT_NEAR(0.5f * height * (1.0f - clip.y()), static_cast<float>(y) + 0.5f, 0.2f) << name;
-                const auto now = view::where_now(scene_, picked->object, picked->place);
+                const auto now = view::current_position(scene_, picked->object, picked->place);
                 ASSERT_TRUE(now);
-                EXPECT_LT((*now - picked->where).norm(), 0.05e-3f) << name << " " << x << ", " << y;
+                EXPECT_LT((*now - picked->position).norm(), 0.05e-3f) << name << " " << x << ", " << y;
             }
         }
         EXPECT_GT(places, 20) << name;
     }
 }
 
-TEST_F(Pick, OnACutTheOrganThatIsCutIsMet) {
+TEST_F(Pick, SectionFacePicksCutOrgan) {
     const View& view = named("section");
     const Image ids = picture(view, scene_, Shading::object_id);
     std::map<std::string, int> met;
@@ -146,7 +149,7 @@ TEST_F(Pick, OnACutTheOrganThatIsCutIsMet) {
             const auto colour = shown(ids, x, y);
             const auto picked = at(view, scene_, x, y);
             if (!colour || !picked || picked->object.empty() ||
-                std::abs(picked->where.x()) > 1e-6f) {  // not on the face
+                std::abs(picked->position.x()) > 1e-6f) {  // not on the face
                 continue;
             }
             ++compared;
@@ -163,11 +166,11 @@ TEST_F(Pick, OnACutTheOrganThatIsCutIsMet) {
 
 class AnnotationPicture : public Pick {
   protected:
-    // A point on what is seen at (x, y) of a view.
+    // An annotation point on the surface seen at (x, y) of a view.
     void mark(const View& view, int x, int y, const std::string& text = "") {
         const auto picked = at(view, scene_, x, y);
         ASSERT_TRUE(picked && !picked->object.empty());
-        where_ = picked->where;
+        where_ = picked->position;
         msg::ShownAnnotation shown;
         shown.what().kind(msg::ANNOTATION_POINT);
         shown.what().text(text);
@@ -179,7 +182,7 @@ class AnnotationPicture : public Pick {
         place.height(picked->place.height);
         ASSERT_TRUE(scene_.apply(shown));
     }
-    // Pixels that have become bluer, their middle, and by how much the bluest.
+    // Number of pixels that have become bluer, their centre, and the largest change.
     struct Bluer {
         int count = 0, most = 0;
         Eigen::Vector2f middle = Eigen::Vector2f::Zero();
@@ -202,12 +205,12 @@ class AnnotationPicture : public Pick {
     Vec3f where_ = Vec3f::Zero();
 };
 
-TEST_F(AnnotationPicture, APointIsDrawnWhereItWasPointed) {
+TEST_F(AnnotationPicture, PointIsDrawnAtPickedPixel) {
     for (const char* name : {"overview", "section"}) {
         const View& view = named(name);
         const Image plain = picture(view, scene_, Shading::lit);
         const Image ids = picture(view, scene_, Shading::object_id);
-        // On what is neither tube nor blade nor background.
+        // On a pixel that is neither tube nor blade nor background.
         std::pair<int, int> pixel{0, 0};
         for (int y = height / 3; y < height && pixel.first == 0; y += 5) {
             for (int x = width / 3; x < width && pixel.first == 0; x += 5) {
@@ -234,7 +237,7 @@ TEST_F(AnnotationPicture, APointIsDrawnWhereItWasPointed) {
     }
 }
 
-TEST_F(AnnotationPicture, WhatCoversAMarkItShinesThroughFaintly) {
+TEST_F(AnnotationPicture, OccludedMarkIsDrawnFaintly) {
     // The tongue's middle, in the mouth, as the onlooker sees it through the cheek.
     msg::ShownAnnotation shown;
     shown.what().kind(msg::ANNOTATION_POINT);
@@ -249,7 +252,7 @@ TEST_F(AnnotationPicture, WhatCoversAMarkItShinesThroughFaintly) {
     EXPECT_LT(faint.most, 130) << "half-way to what it is in the open";
 }
 
-TEST_F(AnnotationPicture, ALineReachesFromItsFirstPlaceToItsLast) {
+TEST_F(AnnotationPicture, StrokeSpansFirstToLastPoint) {
     const View& section = named("section");
     msg::ShownAnnotation shown;
     shown.what().kind(msg::ANNOTATION_STROKE);
@@ -279,8 +282,8 @@ TEST_F(AnnotationPicture, ALineReachesFromItsFirstPlaceToItsLast) {
     }
 }
 
-TEST_F(AnnotationPicture, WhatACutTookAwayIsNotDrawn) {
-    // A place on the patient's left cheek, which the section takes away.
+TEST_F(AnnotationPicture, MarkOnRemovedHalfIsNotDrawn) {
+    // A point on the patient's left cheek, which the section cuts away.
     const View& section = named("section");
     const auto& body = *scene_.rest_surface("body");
     for (std::uint32_t t = 0; t < body.mesh.triangles.size(); ++t) {
@@ -297,8 +300,8 @@ TEST_F(AnnotationPicture, WhatACutTookAwayIsNotDrawn) {
     }
 }
 
-// epoxy's entry points are variables: a driver whose card was reset, without a card.
-TEST_F(AnnotationPicture, ACardThatWasResetEndsInAMessage) {
+// epoxy's entry points are variables: this simulates a driver after a GPU reset without a graphics card.
+TEST_F(AnnotationPicture, GpuResetIsReported) {
     const auto driver = epoxy_glGetGraphicsResetStatus;
     ASSERT_NO_THROW(renderer_.sync(scene_));
     epoxy_glGetGraphicsResetStatus = []() -> GLenum { return GL_INNOCENT_CONTEXT_RESET; };

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/camera.hpp"
+#include "client/render/views/camera.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "client/render/view_table.hpp"
+#include "client/render/views/view_table.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti::render {
 namespace {
 
 // In the patient frame the world's vertical turns against the table: head-up by an angle, it leans towards
-// the head (+z) by as much.
-TEST(OverviewCamera, KeepsTheWorldsVerticalOnATiltedTable) {
+// the head (+z) by that angle.
+TEST(OverviewCamera, KeepsWorldVerticalOnTiltedTable) {
     Landmarks rest;
     rest.fill(Vec3f::Zero());
     const Orbit orbit;
@@ -30,8 +30,8 @@ TEST(OverviewCamera, KeepsTheWorldsVerticalOnATiltedTable) {
     EXPECT_EQ(tilted.target, level.target);
 }
 
-// What is published as the trainee's eye is what its pictures are drawn from.
-TEST(EyeCamera, IsThePublishedEyeWithANaturalField) {
+// The published trainee's eye is the one that its pictures are drawn from.
+TEST(EyeCamera, MatchesPublishedEyeAndNaturalFieldOfView) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
@@ -42,12 +42,12 @@ TEST(EyeCamera, IsThePublishedEyeWithANaturalField) {
     const RigidTransform published = from.eye.pose(source.landmarks);
     EXPECT_LT((camera.pose().translation - published.translation).norm(), 1e-6f);
     EXPECT_LT(camera.pose().rotation.angularDistance(published.rotation), 1e-3f);
-    // At arm's length, 0.3 m from the gum, the picture holds a newborn's head, 10 cm broad, and little more.
+    // At arm's length, 0.3 m from the gum, the picture holds a newborn's head, 10 cm wide, and little more.
     const float distance = (camera.eye - at(source.landmarks, Landmark::upper_gum)).norm();
-    EXPECT_NEAR(2.0f * distance * std::tan(0.5f * camera.vertical_field), 0.14f, 0.02f);
+    EXPECT_NEAR(2.0f * distance * std::tan(0.5f * camera.vertical_fov), 0.14f, 0.02f);
 }
 
-TEST(SectionCamera, LooksStraightOntoWhateverPlaneIsCut) {
+TEST(SectionCamera, FacesSectionPlane) {
     const Landmarks points = synthetic::make_scene().landmarks;
     for (const Section& section :
          {Section(), Section(0.01f, 0.3f, 0.2f), Section(0.0f, 0.0f, 90.0f * degree)}) {
@@ -61,30 +61,30 @@ TEST(SectionCamera, LooksStraightOntoWhateverPlaneIsCut) {
     }
 }
 
-TEST(SectionCamera, ShowsSmallerPatientsAsLargeInThePicture) {
+TEST(SectionCamera, FramesSmallerPatientEquallyLarge) {
     Landmarks points = synthetic::make_scene().landmarks;
     const Camera term = section_camera({}, points, points);
     for (Vec3f& point : points) {
         point *= 0.8f;
     }
     const Camera smaller = section_camera({}, points, points);
-    EXPECT_NEAR(std::tan(0.5f * smaller.vertical_field), 0.8f * std::tan(0.5f * term.vertical_field), 1e-5f);
+    EXPECT_NEAR(std::tan(0.5f * smaller.vertical_fov), 0.8f * std::tan(0.5f * term.vertical_fov), 1e-5f);
 }
 
-TEST(Section, IsTheMiddleUntilMovedAndStaysWithinItsLimits) {
+TEST(Section, DefaultsToMidlineAndIsClamped) {
     const Landmarks points = synthetic::make_scene().landmarks;
     EXPECT_EQ(Section().plane(points).normal, Vec3f(Vec3f::UnitX()));
     EXPECT_EQ(Section().plane(points).origin.x(), 0.0f);
     EXPECT_NEAR(Section(0.005f, 0.0f, 0.0f).plane(points).origin.x(), 0.005f, 1e-7f);
-    EXPECT_EQ(Section(9.0f, 0.0f, 0.0f), Section(Section::farthest, 0.0f, 0.0f));
-    EXPECT_EQ(Section(0.0f, 0.0f, 9.0f), Section(0.0f, 0.0f, Section::most_tilt));
+    EXPECT_EQ(Section(9.0f, 0.0f, 0.0f), Section(Section::max_offset, 0.0f, 0.0f));
+    EXPECT_EQ(Section(0.0f, 0.0f, 9.0f), Section(0.0f, 0.0f, Section::max_tilt));
     // Turned by a quarter it cuts across: the side towards head or feet is taken away.
     EXPECT_NEAR(std::abs(Section(0.0f, 90.0f * degree, 0.0f).plane(points).normal.z()), 1.0f, 1e-6f);
-    // Tilted by a quarter it parts front and back.
+    // Tilted by a quarter it separates front and back.
     EXPECT_NEAR(std::abs(Section(0.0f, 0.0f, 90.0f * degree).plane(points).normal.y()), 1.0f, 1e-6f);
 }
 
-TEST(BladeCamera, RidesNearTheTipAndLooksAlongTheBlade) {
+TEST(BladeCamera, SitsNearTipLookingAlongBlade) {
     const RigidTransform pose = RigidTransform::about({0.01f, 0.02f, 0.03f}, Vec3f::UnitX(), 0.7f);
     const Camera camera = blade_camera(pose, make_laryngoscope(Blade::miller_1));
     const Vec3f tip = pose * Vec3f(0.0f, 0.0f, 0.1f);
@@ -99,17 +99,17 @@ TEST(BladeCamera, RidesNearTheTipAndLooksAlongTheBlade) {
     EXPECT_LT(clip.y(), clip.w());
 }
 
-// A lens shows what lies within its four angles, and its corners are those of the picture.
-TEST(WornCamera, FillsThePictureWithAFieldThatIsNotCentred) {
+// A lens shows the field within its four angles, and its corners are those of the picture.
+TEST(WornCamera, ProjectsAsymmetricFieldOfView) {
     const RigidTransform pose = RigidTransform::about({0.1f, -0.2f, 0.3f}, Vec3f::UnitY(), 0.4f);
-    const Field field{-0.9f, 0.6f, 0.5f, -0.8f};
-    const Camera camera = worn_camera(pose, field);
+    const FieldOfView field{-0.9f, 0.6f, 0.5f, -0.8f};
+    const Camera camera = headset_camera(pose, field);
     EXPECT_LT((camera.pose().translation - pose.translation).norm(), 1e-6f);
     EXPECT_LT(camera.pose().rotation.angularDistance(pose.rotation), 1e-3f);
     for (const auto& [x, angle_x] : {std::pair{-1.0f, field.left}, std::pair{1.0f, field.right}}) {
         for (const auto& [y, angle_y] : {std::pair{-1.0f, field.down}, std::pair{1.0f, field.up}}) {
             const Vec3f corner = pose * (0.7f * Vec3f(std::tan(angle_x), std::tan(angle_y), -1.0f));
-            // Whatever the picture's sides: its angles say all.
+            // For any aspect ratio of the picture: the angles alone decide.
             const Eigen::Vector4f clip = camera.projection(3.0f) * camera.view() * corner.homogeneous();
             EXPECT_NEAR(clip.x() / clip.w(), x, 1e-4f);
             EXPECT_NEAR(clip.y() / clip.w(), y, 1e-4f);

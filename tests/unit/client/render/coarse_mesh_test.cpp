@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/coarse_mesh.hpp"
+#include "client/render/mesh/coarse_mesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ double volume(std::span<const Triangle> triangles, const TriangleMesh& mesh) {
     return sum;
 }
 
-TEST(CoarseMesh, HasFewTrianglesOfTheSameBody) {
+TEST(CoarseMesh, PreservesVolumeWithFewerTriangles) {
     const TriangleMesh mesh = synthetic::body_mesh();
     const auto coarse = render::coarse_triangles(mesh.triangles, lit(mesh), 5e-3f);
     EXPECT_LT(coarse.size(), mesh.triangles.size() / 2);
@@ -39,13 +39,13 @@ TEST(CoarseMesh, HasFewTrianglesOfTheSameBody) {
     EXPECT_NEAR(volume(coarse, mesh), whole, 0.03 * whole);
 }
 
-TEST(CoarseMesh, FineCellsLeaveTheMeshAsItIs) {
+TEST(CoarseMesh, FineCellsKeepMeshUnchanged) {
     const TriangleMesh mesh = synthetic::body_mesh();
     EXPECT_EQ(render::coarse_triangles(mesh.triangles, lit(mesh), 1e-6f), mesh.triangles);
 }
 
 // Two sheets closer than a cell that face each other, as lips do.
-TEST(CoarseMesh, WhatFacesApartDoesNotGrowTogether) {
+TEST(CoarseMesh, OppositelyFacingSheetsAreNotMerged) {
     TriangleMesh sheets;
     for (const float y : {-0.1e-3f, 0.1e-3f}) {
         const auto first = static_cast<std::uint32_t>(sheets.vertices.size());

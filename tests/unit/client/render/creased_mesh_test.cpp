@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/creased_mesh.hpp"
+#include "client/render/mesh/creased_mesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti {
 namespace {
@@ -19,7 +19,7 @@ std::array<float, 3> place(const view::LitVertex& vertex) {
     return {vertex.position.x(), vertex.position.y(), vertex.position.z()};
 }
 
-// How often each edge is met, by its ends' places: creases have several vertices in one.
+// Number of triangles at each edge, by the positions of its ends: vertices are duplicated at creases.
 std::map<Edge, int> edges_of(const render::CreasedMesh& mesh) {
     std::map<Edge, int> edges;
     for (const Triangle& t : mesh.triangles) {
@@ -41,18 +41,18 @@ double area_of(const render::CreasedMesh& mesh) {
     return area;
 }
 
-TEST(CreasedMesh, FinerEdgesLeaveTheSurfaceAndNoGaps) {
+TEST(CreasedMesh, EdgeSubdivisionKeepsSurfaceWatertight) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     const render::CreasedMesh coarse = render::creased(laryngoscope_mesh(scope), 0.7f);
     const auto longest = [&](const Vec3f& at) {
         return std::max(1e-3f, 0.25f * (at - Vec3f(0.0f, 0.0f, scope.blade_length)).norm());
     };
-    const render::CreasedMesh fine = render::with_edges_of(coarse, longest);
+    const render::CreasedMesh fine = render::subdivide_long_edges(coarse, longest);
     EXPECT_GT(fine.triangles.size(), coarse.triangles.size());
     EXPECT_NEAR(area_of(fine) / area_of(coarse), 1.0, 1e-5);
     for (const auto& [edge, count] : edges_of(fine)) {
         const Vec3f a(edge.first.data()), b(edge.second.data());
-        // Closed before, closed now: where two triangles disagreed, an edge would be met once.
+        // Closed before, closed now: where two triangles disagreed, an edge would occur once.
         EXPECT_EQ(count % 2, 0) << a.transpose() << " to " << b.transpose();
         EXPECT_LE((a - b).norm(), longest(0.5f * (a + b)));
     }

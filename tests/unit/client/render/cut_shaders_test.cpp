@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/cut_shaders.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,21 +7,21 @@
 #include <numbers>
 #include <vector>
 
-#include "client/render/gpu_mesh.hpp"
-#include "client/render/headless_context.hpp"
-#include "client/render/mesh_shaders.hpp"
-#include "client/render/shader_program.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/gl/shader_program.hpp"
+#include "client/render/mesh/gpu_mesh.hpp"
+#include "client/render/shaders/shaders.hpp"
 
 namespace eti {
 namespace {
 
 constexpr int side = 512;         // pixels
 constexpr float half = 0.025f;    // [m], of what they show
-constexpr float radius = 0.02f;   // [m]
+constexpr float radius = 0.02f;   // [m], of the surfaces shown
 constexpr float height = 0.005f;  // [m], of the cut above the middle
 constexpr double metres = 2.0 * half / side;
 
-// Balls about the origin, one within the other.
+// Concentric balls about the origin.
 render::GpuMesh balls(const std::vector<float>& radii) {
     constexpr std::uint32_t rings = 40, sides = 80;
     std::vector<view::LitVertex> vertices;
@@ -67,7 +66,7 @@ class CutShaders : public ::testing::Test {
     }
     void TearDown() override { EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR)); }
 
-    // Onto the plane, which is square to x.
+    // Projects onto the plane, which is perpendicular to x.
     static void set_up(render::ShaderProgram& program) {
         program.use();
         Eigen::Matrix4f onto = Eigen::Matrix4f::Zero();
@@ -78,7 +77,7 @@ class CutShaders : public ::testing::Test {
         program.set("flat_colour", Eigen::Vector4f(1.0f, 1.0f, 1.0f, 1.0f));
     }
 
-    // [m^2] of what is not black.
+    // [m^2] of the pixels that are not black.
     static double area() {
         std::vector<std::uint8_t> pixels(4 * side * side);
         glReadPixels(0, 0, side, side, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
@@ -102,8 +101,8 @@ class CutShaders : public ::testing::Test {
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         glStencilFunc(GL_NOTEQUAL, 0, 0xff);
         glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
-        render::ShaderProgram face("face", {}, render::source::cut_plane_vertex,
-                                   render::source::flat_fragment);
+        render::ShaderProgram face("face", {}, render::shaders::cut_plane_vertex,
+                                   render::shaders::flat_fragment);
         set_up(face);
         face.set("pivot", Vec3f(height, 0.0f, 0.0f));
         face.set("along", Vec3f(0.0f, 1.0f, 0.0f));
@@ -115,8 +114,8 @@ class CutShaders : public ::testing::Test {
         return area();
     }
 
-    // Of the circle that the plane cuts out of a ball; an inscribed polygon of 80 sides lacks
-    // (2 pi/80)^2 / 6 = 0.1 %.
+    // Area of the circle that the plane cuts out of a ball; an inscribed polygon of 80 sides lacks (2
+    // pi/80)^2 / 6 = 0.1 %.
     static double disc(double r) { return std::numbers::pi * (r * r - height * height); }
 
     render::HeadlessContext context_;
@@ -124,11 +123,11 @@ class CutShaders : public ::testing::Test {
     render::Renderbuffer colour_, stencil_;
 };
 
-// Within 1 %: the polygon's 0.1 %, and pixels of a quarter of a thousandth of the area along the rim.
-// A ball within the other is a hollow where it is turned inside out, else a fold of tissue over tissue.
-TEST_F(CutShaders, AFanFillsHollowsOutAndFoldsIn) {
-    render::ShaderProgram fan("fan", {"FAN"}, render::source::cut_surface_vertex,
-                              render::source::cut_geometry, render::source::flat_fragment);
+// Within 1 %: the polygon's 0.1 %, and pixels of a quarter of a thousandth of the area along the rim. An
+// inner ball is a hollow if it is inverted, otherwise a fold of tissue over tissue.
+TEST_F(CutShaders, FanExcludesHollowsAndIncludesFolds) {
+    render::ShaderProgram fan("fan", {"FAN"}, render::shaders::cut_surface_vertex,
+                              render::shaders::cut_geometry, render::shaders::flat_fragment);
     set_up(fan);
     // Outside of the contour, where a fan alone is farthest from its inside.
     fan.set("pivot", Vec3f(height, 0.024f, 0.018f));
@@ -138,10 +137,10 @@ TEST_F(CutShaders, AFanFillsHollowsOutAndFoldsIn) {
     EXPECT_NEAR(filled(0.5f * radius), disc(radius), 0.01 * disc(radius));
 }
 
-TEST_F(CutShaders, ABandFollowsTheContourOnItsInside) {
+TEST_F(CutShaders, BandLiesInsideContour) {
     constexpr float width = 2e-3f;
-    render::ShaderProgram band("band", {}, render::source::cut_surface_vertex, render::source::cut_geometry,
-                               render::source::flat_fragment);
+    render::ShaderProgram band("band", {}, render::shaders::cut_surface_vertex, render::shaders::cut_geometry,
+                               render::shaders::flat_fragment);
     set_up(band);
     band.set("width", width);
     balls({radius}).draw();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/light_shaders.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,17 +7,18 @@
 #include <numbers>
 #include <vector>
 
-#include "client/render/headless_context.hpp"
-#include "client/render/render_target.hpp"
-#include "client/render/shader_program.hpp"
-#include "client/render/shadow_map.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/gl/render_target.hpp"
+#include "client/render/gl/shader_program.hpp"
+#include "client/render/gl/shadow_map.hpp"
+#include "client/render/shaders/shaders.hpp"
 
 namespace eti {
 namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// What a vertex shader that writes `result` makes of points.
+/// Evaluates a vertex shader that writes `result` on points.
 std::vector<Eigen::Vector4f> computed(render::ShaderProgram& program, const std::vector<Vec3f>& points) {
     const render::RenderTarget target(8, 8, 1);
     target.bind_scene();
@@ -41,12 +41,12 @@ std::vector<Eigen::Vector4f> computed(render::ShaderProgram& program, const std:
     return result;
 }
 
-// Reference: of a paraboloid a ray at an angle from its axis lies at the tangent of half that angle.
-TEST(LampMap, IsADiscOfHalfAnglesAndOfDistances) {
+// Reference: on a paraboloid, a ray at an angle from the axis lies at the tangent of half that angle.
+TEST(LampMap, IsParaboloidProjection) {
     const render::HeadlessContext context;
     render::ShaderProgram program(
         "lamp map", {"FROM_LAMP"},
-        std::string(render::source::lamp_map) +
+        std::string(render::shaders::lamp_map) +
             "layout(location = 0) in vec3 at; out vec4 result; void main() { result = in_lamp_map(at); }",
         {"result"});
     render::Light lamp;
@@ -54,7 +54,7 @@ TEST(LampMap, IsADiscOfHalfAnglesAndOfDistances) {
     lamp.direction = Vec3f(0.2f, -0.5f, 0.6f).normalized();
     const float nearest = 1e-3f, farthest = 0.1f;
     program.use();
-    program.set("to_lamp", render::into_lamp(lamp));
+    program.set("to_lamp", render::world_to_lamp(lamp));
     program.set("lamp_depths", Eigen::Vector2f(nearest, farthest));
     const Vec3f aside = lamp.direction.unitOrthogonal();
     std::vector<Vec3f> points;
@@ -71,21 +71,21 @@ TEST(LampMap, IsADiscOfHalfAnglesAndOfDistances) {
     }
     const std::vector<Eigen::Vector4f> places = computed(program, points);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        // Single precision of places 0.05 m off, over distances of 2 mm and more.
+        // Single precision of positions 0.05 m away, over distances of 2 mm and more.
         EXPECT_NEAR(places[i].head<2>().norm(), std::tan(0.5 * angles[i]), 1e-5) << i;
         EXPECT_NEAR(places[i].z(), (distances[i] - nearest) / (farthest - nearest), 1e-5) << i;
         EXPECT_NEAR(places[i].w(), distances[i] * std::cos(angles[i]), 1e-7) << i;
     }
-    // On opposite sides, not all in one place.
+    // On opposite sides, not all at one point.
     EXPECT_LT(places[41].head<2>().dot(places[45].head<2>()), -0.05f);
 }
 
 // Reference: the integral of the cosines at both ends over the disc of the mouth, divided by pi and by the
-// square of the way.
-TEST(ThroughMouth, IsTheViewFactorOfADisc) {
+// squared distance.
+TEST(MouthOpeningLight, MatchesViewFactorOfDisc) {
     const render::HeadlessContext context;
     render::ShaderProgram program("mouth", {},
-                                  "uniform float occlusion;" + std::string(render::source::through_mouth) +
+                                  "uniform float occlusion;" + std::string(render::shaders::through_mouth) +
                                       "layout(location = 0) in vec3 at; out vec4 result;"
                                       "void main() { result = vec4(open_at(at)); }",
                                   {"result"});

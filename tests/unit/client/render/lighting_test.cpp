@@ -17,8 +17,8 @@ float smoothstep(float from, float to, float x) {
     return t * t * (3.0f - 2.0f * t);
 }
 
-// Reference: the light's formula in light_shaders.hpp, at places within the ball.
-TEST(Light, ReachesWhateverItLightsAndLeavesMostOfAHeadOut) {
+// Reference: the light's formula in light_shaders.hpp, at points within the ball.
+TEST(Light, CullingIsConservativeAndEffective) {
     const RigidTransform blade{quaternion_from(Vec3f(0.3f, -0.2f, 0.5f)), Vec3f(0.01f, -0.02f, 0.03f)};
     const render::Light lamp = render::blade_lamp(blade, 0.07f);
     Random random(11);

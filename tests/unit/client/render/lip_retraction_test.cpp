@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/lip_retraction.hpp"
+#include "client/render/views/lip_retraction.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "client/render/gl_object.hpp"
-#include "client/render/headless_context.hpp"
-#include "client/render/mesh_shaders.hpp"
+#include "client/render/gl/gl_object.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/shaders/shaders.hpp"
 #include "common/math/random.hpp"
 
 namespace eti {
@@ -19,9 +19,9 @@ struct Point {
     Vec3f place, normal;
 };
 
-/// What the vertex shader of all meshes makes of them.
+/// Result of the vertex shader of all meshes.
 std::vector<Point> drawn_lips(const std::vector<Point>& points, const LipRetraction& lips) {
-    render::ShaderProgram program("lips", {"RETRACT"}, render::source::mesh_vertex, {"world", "normal_at"});
+    render::ShaderProgram program("lips", {"RETRACT"}, render::shaders::mesh_vertex, {"world", "normal_at"});
     program.use();
     program.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     program.set("view_projection", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
@@ -54,9 +54,9 @@ std::vector<Point> drawn_lips(const std::vector<Point>& points, const LipRetract
     return read;
 }
 
-TEST(LipRetractionShader, HoldsLipsWhereTheServersRaysFindThem) {
+TEST(LipRetractionShader, MatchesServerLipRetraction) {
     const render::HeadlessContext context;
-    Landmarks now = unseen_landmarks();
+    Landmarks now = zero_landmarks();
     const auto set = [&](Landmark which, const Vec3f& place) {
         now[static_cast<std::size_t>(which)] = place;
     };
@@ -78,13 +78,13 @@ TEST(LipRetractionShader, HoldsLipsWhereTheServersRaysFindThem) {
     double turned = 0.0, wrong = 0.0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto& [place, normal] = points[i];
-        // Both in single precision at 0.1 m: roundings of 1e-8 m that slopes of four enlarge.
-        EXPECT_LT((held[i].place - lips.held_aside(place)).norm(), 1e-6f) << place.transpose();
+        // Both in single precision at 0.1 m: roundings of 1e-8 m, amplified by slopes of four.
+        EXPECT_LT((held[i].place - lips.retract_lips(place)).norm(), 1e-6f) << place.transpose();
         moved = std::max(moved, (held[i].place - place).norm());
-        // A normal stays across both tangents, whose ways are known.
+        // A normal stays perpendicular to both tangents, whose images are known.
         const auto way = [&](const Vec3f& along) {
             const Vec3f step = 0.05e-3f * along;
-            return Vec3f(lips.held_aside(place + step) - lips.held_aside(place - step));
+            return Vec3f(lips.retract_lips(place + step) - lips.retract_lips(place - step));
         };
         const Vec3f aside = normal.unitOrthogonal();
         const Vec3f expected = way(aside).cross(way(normal.cross(aside))).normalized();

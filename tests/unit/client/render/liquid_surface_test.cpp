@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/liquid_surface.hpp"
+#include "client/render/passes/liquid_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/fluid_state.hpp"
+#include "common/bus/codec/fluid_state.hpp"
 #include "scene_picture.hpp"
 
 namespace eti {
@@ -57,8 +57,8 @@ float farthest(const std::vector<Eigen::Vector2f>& pixels, const Eigen::Vector2f
     return most;
 }
 
-TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
-    // A drop of 5 mm before the mouth, on the half that the section keeps.
+TEST_F(LiquidPicture, LiquidChangesOnlyItsOwnPixels) {
+    // A drop of 5 mm in front of the mouth, on the half that the section keeps.
     view::SceneView wet = scene_;
     const Vec3f before_mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
     std::vector<Vec3f> drop;
@@ -66,7 +66,7 @@ TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
         drop.push_back(before_mouth + 1e-3f * Eigen::Vector3i(k % 5, k / 5 % 5, k / 25).cast<float>());
     }
     msg::FluidState message;
-    bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, 0, message);
+    bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, 0, message);
     ASSERT_TRUE(wet.apply(message));
     wet.update();
     for (const View& view : render::views()) {
@@ -81,27 +81,27 @@ TEST_F(LiquidPicture, LiquidIsDrawnWhereItIsAndNothingElseChanges) {
         const float reach = 7e-3f * middle.pixels_per_metre + 2.0f;
         const auto changed = differing_pixels(dry_picture, wet_picture);
         EXPECT_LT(farthest(changed, middle.pixel), reach) << view.name;
-        // Of the square of the drop's outer particles at least a quarter: the rest may be hidden.
+        // At least a quarter of the square of the drop's outer particles: the rest may be hidden.
         EXPECT_GT(static_cast<float>(changed.size()), 0.25f * std::pow(4e-3f * middle.pixels_per_metre, 2.0f))
             << view.name;
     }
-    // What is measured on flat colours does not see it.
+    // Measurements on flat colours are unaffected.
     EXPECT_EQ(picture(named("section"), scene_, Shading::object_id).rgba,
               picture(named("section"), wet, Shading::object_id).rgba);
 }
 
-// A particle stands for a cube of its spacing: alone it is a sphere of that volume, 0.62 spacings in radius.
-TEST_F(LiquidPicture, ADropThatIsAloneHasItsVolume) {
+// A particle represents a cube of its spacing: alone it is a sphere of that volume, 0.62 spacings in radius.
+TEST_F(LiquidPicture, SingleDropHasParticleVolume) {
     constexpr float spacing = 6e-3f;
     const View& view = named("overview");
     msg::SessionDescription description = source_.description;
-    description.liquid("blood");  // of which no pixel is overlooked
+    description.liquid("blood");  // every pixel of it counts
     view::SceneView wet = scene_;
     wet.apply(description);
     const Vec3f place = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
     msg::FluidState message;
-    bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), spacing, std::vector{place}}, 0,
-                         message);
+    bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), spacing, std::vector{place}}, 0,
+                            message);
     ASSERT_TRUE(wet.apply(message));
     wet.update();
     const render::Image dry = picture(view, scene_, Shading::lit);
@@ -112,9 +112,9 @@ TEST_F(LiquidPicture, ADropThatIsAloneHasItsVolume) {
     EXPECT_NEAR(static_cast<float>(changed), area, 0.2f * area + 3.14159f * radius) << "half a pixel of rim";
 }
 
-// Two drops that clash before the mouth and part again: foam and threads are seen, about the liquid alone,
-// and they are gone once nothing has moved for longer than a bubble lives.
-TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {
+// Two drops that collide in front of the mouth and separate: foam and filaments appear around the liquid
+// only, and vanish once nothing has moved for longer than a bubble's lifetime.
+TEST_F(LiquidPicture, FoamAndFilamentsAppearOnlyNearLiquid) {
     const View& view = named("overview");
     const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
     view::SceneView wet = scene_;
@@ -129,8 +129,8 @@ TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {
         time_ns += 11'111'111;
         msg::FluidState message;
         for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drops.size()); ++chunk) {
-            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drops}, chunk,
-                                 message);
+            bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drops}, chunk,
+                                    message);
             message.header().simulation_time_ns(time_ns);
             ASSERT_TRUE(wet.apply(message));
         }
@@ -144,14 +144,15 @@ TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {
     state(3e-3f);
     wet.update();
     ASSERT_GT(wet.liquid_detail().foam().bubbles().size(), 20u);
-    ASSERT_GT(wet.liquid_detail().strings().strings().size(), 2u);
+    ASSERT_GT(wet.liquid_detail().filaments().filaments().size(), 2u);
     const render::Image frothy = picture(view, wet, Shading::lit);
-    // The same places without a history.
+    // The same positions without a history.
     const std::vector<Vec3f> places(wet.liquid().begin(), wet.liquid().end());
     view::SceneView still = scene_;
     msg::FluidState message;
     for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(places.size()); ++chunk) {
-        bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, places}, chunk, message);
+        bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, places}, chunk,
+                                message);
         ASSERT_TRUE(still.apply(message));
     }
     still.update();
@@ -165,11 +166,11 @@ TEST_F(LiquidPicture, FoamAndThreadsAreSeenWhereLiquidIs) {
     }
     wet.update();
     EXPECT_TRUE(wet.liquid_detail().foam().bubbles().empty());
-    EXPECT_TRUE(wet.liquid_detail().strings().strings().empty());
+    EXPECT_TRUE(wet.liquid_detail().filaments().filaments().empty());
     EXPECT_EQ(picture(view, wet, Shading::lit).rgba, plain.rgba);
 }
 
-// Beer-Lambert: blood lets red through, and of green and blue next to nothing; saliva all alike.
+// Beer-Lambert: blood transmits red, and almost no green and blue; saliva transmits all alike.
 TEST_F(LiquidPicture, BloodIsDarkRed) {
     const View& view = named("overview");
     const Vec3f corner = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
@@ -184,8 +185,8 @@ TEST_F(LiquidPicture, BloodIsDarkRed) {
         scene.apply(description);
         msg::FluidState message;
         for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(drop.size()); ++chunk) {
-            bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, chunk,
-                                 message);
+            bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 1e-3f, drop}, chunk,
+                                    message);
             EXPECT_TRUE(scene.apply(message));
         }
         scene.update();
@@ -205,8 +206,8 @@ TEST_F(LiquidPicture, BloodIsDarkRed) {
     EXPECT_LT(saliva[0], 1.5 * saliva[1]) << "of no colour of its own";
 }
 
-// What liquid lay on stays wet where it was, dries by e in 25 s, and is nobody's where none was.
-TEST_F(LiquidPicture, LiquidLeavesAFilm) {
+// Surfaces touched by liquid stay wet, dry with a time constant of 25 s, and are dry where there was none.
+TEST_F(LiquidPicture, LiquidLeavesDryingFilm) {
     const View& view = named("overview");
     const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening);
     const auto state = [&](view::SceneView& scene, double seconds, bool any) {
@@ -217,8 +218,8 @@ TEST_F(LiquidPicture, LiquidLeavesAFilm) {
         }
         msg::FluidState message;
         for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(pool.size()); ++chunk) {
-            bus::put_fluid_chunk({Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), 1e-3f, pool}, chunk,
-                                 message);
+            bus::encode_fluid_chunk({Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), 1e-3f, pool}, chunk,
+                                    message);
             message.header().simulation_time_ns(static_cast<std::uint64_t>(1e9 * seconds));
             ASSERT_TRUE(scene.apply(message));
         }
@@ -226,7 +227,7 @@ TEST_F(LiquidPicture, LiquidLeavesAFilm) {
         renderer_.sync(scene);
     };
     const render::Image dry = picture(view, scene_, Shading::lit);
-    EXPECT_FALSE(renderer_.meshes().patient().filmed()) << "what was never wet costs nothing";
+    EXPECT_FALSE(renderer_.meshes().patient().has_film()) << "what was never wet costs nothing";
     view::SceneView wet = scene_;
     state(wet, 1.0, true);
     const std::vector<float> at_first = renderer_.film().values();
@@ -250,7 +251,7 @@ TEST_F(LiquidPicture, LiquidLeavesAFilm) {
     }
     const render::Image filmed = picture(view, wet, Shading::lit);
     EXPECT_NE(filmed.rgba, dry.rgba);
-    // What is measured on flat colours does not see it.
+    // Measurements on flat colours are unaffected.
     EXPECT_EQ(picture(view, wet, Shading::object_id).rgba, picture(view, scene_, Shading::object_id).rgba);
 }
 

@@ -11,9 +11,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "client/render/camera.hpp"
 #include "client/render/image.hpp"
 #include "client/render/video.hpp"
+#include "client/render/views/camera.hpp"
 
 namespace eti {
 namespace {
@@ -40,7 +40,7 @@ class PictureFiles : public ::testing::Test {
     std::filesystem::path folder_;
 };
 
-TEST_F(PictureFiles, PngReadsBackAsWritten) {
+TEST_F(PictureFiles, PngRoundTrips) {
     const render::Image image = gradient(64, 48, 200);
     render::write_png(image, folder_ / "a.png");
     const cv::Mat read = cv::imread((folder_ / "a.png").string(), cv::IMREAD_COLOR);
@@ -50,7 +50,7 @@ TEST_F(PictureFiles, PngReadsBackAsWritten) {
     EXPECT_EQ(pixel, cv::Vec3b(200, 20, 10));
 }
 
-TEST_F(PictureFiles, PngIntoNowhereSaysWhere) {
+TEST_F(PictureFiles, PngErrorNamesMissingFolder) {
     try {
         render::write_png(gradient(8, 8, 0), folder_ / "missing" / "a.png");
         FAIL() << "no error";
@@ -59,7 +59,7 @@ TEST_F(PictureFiles, PngIntoNowhereSaysWhere) {
     }
 }
 
-TEST_F(PictureFiles, VideoHoldsItsFramesAtItsRate) {
+TEST_F(PictureFiles, VideoKeepsFramesAndRate) {
     const auto file = folder_ / "run.mp4";
     {
         render::Video video(file, 15.0, 64, 48);
@@ -82,7 +82,7 @@ TEST_F(PictureFiles, VideoHoldsItsFramesAtItsRate) {
     EXPECT_NEAR(last_blue, 180.0, 15.0) << "lossy, but the last picture is the bluest";
 }
 
-TEST_F(PictureFiles, VideoIntoNowhereIsRefused) {
+TEST_F(PictureFiles, VideoInMissingFolderIsRejected) {
     EXPECT_THROW(render::Video(folder_ / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
 }
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/render/headless_context.hpp"
-#include "client/render/render_target.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/gl/render_target.hpp"
 #include "client/render/scene_renderer.hpp"
 #include "synthetic_scene.hpp"
 

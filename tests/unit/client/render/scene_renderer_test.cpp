@@ -11,7 +11,7 @@
 #include <numbers>
 #include <utility>
 
-#include "common/model/give_way.hpp"
+#include "common/model/tools/blade_clearance_deformer.hpp"
 #include "scene_picture.hpp"
 
 namespace eti {
@@ -29,15 +29,15 @@ TEST_F(SceneRendererTest, OverviewShowsHeadBladeAndTube) {
     const render::Image ids = picture(named("overview"), scene_, Shading::object_id);
     const int all = width * height;
     // The head alone, 100 x 120 mm seen from 0.62 m in a field of 26 deg (286 mm), is a quarter of the
-    // picture's height squared; handle (18 x 100 mm) and tube (4 x 80 mm) are lines of it.
+    // picture's height squared. Handle (18 x 100 mm) and tube (4 x 80 mm) are lines of it.
     EXPECT_GT(count(ids, render::object_colour(Tissue::soft)), all / 20);
     EXPECT_GT(count(ids, render::blade_colour), all / 200);
     EXPECT_GT(count(ids, render::tube_colour), all / 1000);
     EXPECT_EQ(count(ids, render::object_colour(Tissue::skull)), 0) << "bone lies inside";
 }
 
-TEST_F(SceneRendererTest, SectionFillsWhatThePlaneCuts) {
-    // No tools, nothing lifted: what is cut are ellipses of known area.
+TEST_F(SceneRendererTest, SectionFillsCutOrgans) {
+    // No tools, nothing lifted: the sections are ellipses of known area.
     view::SceneView bare;
     bare.apply(source_.description);
     for (const auto& object : source_.objects) {
@@ -45,14 +45,14 @@ TEST_F(SceneRendererTest, SectionFillsWhatThePlaneCuts) {
     }
     bare.update();
     const render::Image ids = picture(named("section"), bare, Shading::object_id);
-    // So much of the plane fills the height of the picture.
+    // Height of the plane that fills the picture.
     const render::Camera camera = named("section").camera(bare, {});
-    const float shown = 2.0f * (camera.eye - camera.target).norm() * std::tan(0.5f * camera.vertical_field);
+    const float shown = 2.0f * (camera.eye - camera.target).norm() * std::tan(0.5f * camera.vertical_fov);
     const double pixels_per_square_metre = std::pow(height / static_cast<double>(shown), 2);
     const double tongue = std::numbers::pi * 0.016 * 0.007 * pixels_per_square_metre;
     const double spine = std::numbers::pi * 0.05 * 0.005 * pixels_per_square_metre;
-    // An ellipse of n pixels across its short side is wrong by at most half a pixel along its rim on
-    // average zero; facets of 1 mm inside a 7 mm radius take 1 %. 4 % covers both.
+    // An ellipse of n pixels across its short side is wrong by at most half a pixel along its rim, zero on
+    // average; facets of 1 mm inside a 7 mm radius take 1 %. 4 % covers both.
     EXPECT_NEAR(count(ids, render::object_colour(Tissue::tongue)), tongue, 0.04 * tongue);
     // The spine's lower half lies outside the picture at least in part.
     EXPECT_GT(count(ids, render::object_colour(Tissue::spine)), 0.3 * spine);
@@ -60,9 +60,9 @@ TEST_F(SceneRendererTest, SectionFillsWhatThePlaneCuts) {
     EXPECT_GT(count(ids, render::object_colour(Tissue::soft)), width * height / 5);
 }
 
-// A ball within the tongue, as its back may lie there while a blade folds it forward: tissue over tissue, of
-// which the cut shows nothing.
-TEST_F(SceneRendererTest, WhatIsPressedIntoItsOwnOrganHasNoRimInACut) {
+// A ball inside the tongue, like its back while a blade folds it forward: tissue over tissue, which the
+// section must not show.
+TEST_F(SceneRendererTest, SelfIntersectingOrganHasNoOutlineInSection) {
     const render::Image plain = picture(named("section"), scene_, Shading::lit);
     synthetic::Scene folded = source_;
     auto& tongue = *std::ranges::find_if(folded.objects, [](auto& o) { return o.object() == "tongue"; });
@@ -93,28 +93,28 @@ TEST_F(SceneRendererTest, WhatIsPressedIntoItsOwnOrganHasNoRimInACut) {
     EXPECT_LE(apart, 2) << "of 256";
 }
 
-TEST_F(SceneRendererTest, SectionShowsToolsOnTopOfTheCut) {
+TEST_F(SceneRendererTest, SectionShowsToolsOnTopOfCut) {
     const render::Image ids = picture(named("section"), scene_, Shading::object_id);
     EXPECT_GT(count(ids, render::blade_colour), 200);
     EXPECT_GT(count(ids, render::tube_colour), 200);
 }
 
-TEST_F(SceneRendererTest, LaryngoscopeRidesOnTheBladeWhichIsAbove) {
+TEST_F(SceneRendererTest, LaryngoscopeViewIsMountedOnBlade) {
     const render::Image ids = picture(named("laryngoscope"), scene_, Shading::object_id);
     ASSERT_GT(count(ids, render::blade_colour), 100);
     EXPECT_LT(mean_row(ids, render::blade_colour), height / 2.0);
     EXPECT_GT(count(ids, render::object_colour(Tissue::soft)), width * height / 5) << "the throat around it";
-    // The eye that moves leaves it where it is.
+    // Moving the eye leaves it where it is.
     const render::Vantage aside{.eye = view::TraineeEye(Vec3f(0.05f, 0.0f, 0.0f))};
     EXPECT_EQ(named("laryngoscope").camera(scene_, aside).eye, named("laryngoscope").camera(scene_, {}).eye);
-    // Before a blade is heard of it is the eye's close-up.
+    // Before the first blade pose it is the eye's close-up.
     view::SceneView bare;
     bare.apply(source_.description);
     EXPECT_LT((named("laryngoscope").camera(bare, aside).eye - named("eye").camera(bare, aside).eye).norm(),
               1e-6f);
 }
 
-TEST_F(SceneRendererTest, TheLensOnTheBladeFogsAndClearsWithTime) {
+TEST_F(SceneRendererTest, BladeLensFogClearsWithTime) {
     const View& lens = named("laryngoscope");
     const auto fogged = [&](const View& view, const view::SceneView& scene) {
         renderer_.sync(scene);
@@ -138,14 +138,14 @@ TEST_F(SceneRendererTest, TheLensOnTheBladeFogsAndClearsWithTime) {
     EXPECT_EQ(fogged(named("overview"), scene_).rgba, picture(named("overview"), scene_, Shading::lit).rgba);
 }
 
-TEST_F(SceneRendererTest, PicturesAreLitAndTheSameBitByBit) {
+TEST_F(SceneRendererTest, PicturesAreLitAndBitIdentical) {
     for (const View& view : render::views()) {
         const render::Image first = picture(view, scene_, Shading::lit);
         render::SceneRenderer other;
         other.sync(scene_);
         other.draw(view, scene_, target_, {0, 0, width, height});
         EXPECT_EQ(first.rgba, target_.read().rgba) << view.name;
-        // Many shades, none of them a NaN's black speck amid the lit head.
+        // Many shades, and no black speck of a NaN within the lit head.
         std::array<bool, 256> seen{};
         for (std::size_t i = 0; i < first.rgba.size(); i += 4) {
             seen[first.rgba[i]] = true;
@@ -154,9 +154,8 @@ TEST_F(SceneRendererTest, PicturesAreLitAndTheSameBitByBit) {
     }
 }
 
-// Through the wall that bends light one sees what lies behind better than through one that covers it; towards
-// the rim it is displaced.
-TEST_F(SceneRendererTest, OneLooksThroughTheTube) {
+// The refracting wall shows more of what lies behind than an opaque one; towards the rim it is displaced.
+TEST_F(SceneRendererTest, TubeIsTranslucent) {
     const View& view = named("overview");
     view::SceneView bare;
     bare.apply(source_.description);
@@ -195,8 +194,8 @@ TEST_F(SceneRendererTest, OneLooksThroughTheTube) {
     EXPECT_GT(clear, 5.0) << "it is not invisible";
 }
 
-// As a client does that keeps the scene of the best view: both go on from the same shape, one update each.
-TEST_F(SceneRendererTest, ACopyThatWentItsOwnWayIsDrawnAsItIs) {
+// Like a client that keeps the scene of the best view: both continue from the same shape, one update each.
+TEST_F(SceneRendererTest, DivergedSceneCopyIsDrawnCorrectly) {
     const View& section = named("section");
     view::SceneView kept = scene_;
     kept.apply(synthetic::deformation(source_, 2'000'000, 0.0f, 0.0f));
@@ -211,7 +210,7 @@ TEST_F(SceneRendererTest, ACopyThatWentItsOwnWayIsDrawnAsItIs) {
     EXPECT_EQ(after_another.rgba, target_.read().rgba);
 }
 
-TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {
+TEST_F(SceneRendererTest, AntialiasingChangesOnlyEdges) {
     const render::Image plain = picture(named("section"), scene_, Shading::lit);
     render::RenderTarget smooth(width, height, 4);
     renderer_.draw(named("section"), scene_, smooth, {0, 0, width, height});
@@ -225,9 +224,9 @@ TEST_F(SceneRendererTest, SmoothedEdgesKeepThePicture) {
     EXPECT_GT(difference, 0.0);
 }
 
-// Reference: the same lights for each pixel. Between the vertices of this coarse head the light is not
-// linear: some levels, where a light that was left out, or arrives twice, makes tens.
-TEST_F(SceneRendererTest, LightAtVerticesIsThatOfPixels) {
+// Reference: the same lights per pixel. Between the vertices of this coarse head the light is not linear:
+// some levels, whereas a light that is missing or counted twice makes tens.
+TEST_F(SceneRendererTest, VertexLightingMatchesPixelLighting) {
     render::Quality by_vertex = render::qualities().front();
     ASSERT_TRUE(by_vertex.lit_at_vertices);
     render::Quality by_pixel = by_vertex;
@@ -291,8 +290,8 @@ TEST_F(SceneRendererTest, FineOutlinesLeaveNoGaps) {
     EXPECT_GT(other, 0) << "nothing is bent";
 }
 
-// Reference: the skinning that server and clients share, on the processor.
-TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
+// Reference: the skinning code common to server and clients, on the processor.
+TEST_F(SceneRendererTest, GpuSkinningMatchesCpu) {
     const auto state = synthetic::deformation(source_, 2'000'000, 0.006f, 0.02f);
     msg::DeformationState turned = state;
     const FramePose pose{source_.rest_centres[1],
@@ -309,27 +308,27 @@ TEST_F(SceneRendererTest, SkinsOnTheCardAsTheServerDoes) {
         for (std::size_t v = 0; v < part.vertex_count; ++v) {
             const view::LitVertex& vertex = drawn[part.first_vertex + v];
             const Vec3f skinned = skin_point(model.mesh.vertices[v], model.skin[v], scene_.frame_maps());
-            const Vec3f pressed = give_way_to(scene_.keys()->laryngoscope(), *scene_.laryngoscope_pose(),
-                                              scene_.landmarks())(skinned);
+            const Vec3f pressed = blade_clearance_for(
+                scene_.keys()->laryngoscope(), *scene_.laryngoscope_pose(), scene_.landmarks())(skinned);
             farthest = std::max(farthest, (vertex.position - pressed).norm());
-            // Where one frame carries a vertex and all its neighbours, its normal turns with them.
+            // Where a vertex and all its neighbours follow one frame, its normal rotates with them.
             if (part.name == "tongue" && pressed == skinned) {
                 most_tilted = std::max(most_tilted, (vertex.normal - expected[v].normal).norm());
             }
         }
     }
-    // Half a micrometre is what single precision keeps of 0.1 m over a dozen operations; 0.1 mm are asked
-    // for.
+    // Single precision keeps half a micrometre of 0.1 m over a dozen operations; the requirement is 0.1 mm.
     EXPECT_LT(farthest, 1e-6f);
     EXPECT_LT(most_tilted, 1e-4f);
 }
 
-// What gives way is lit as it lies then: a normal stays across both tangents, whose ways are known.
-TEST_F(SceneRendererTest, NormalsTurnWithWhatGivesWay) {
+// Displaced surfaces are lit in their displaced position: a normal stays perpendicular to both tangents,
+// whose images are known.
+TEST_F(SceneRendererTest, NormalsFollowBladeClearanceDeformation) {
     renderer_.sync(scene_);
     const auto drawn = renderer_.meshes().patient().vertices();
-    const PlacedGiveWay give_way =
-        give_way_to(scene_.keys()->laryngoscope(), *scene_.laryngoscope_pose(), scene_.landmarks());
+    const PosedBladeClearanceDeformer give_way =
+        blade_clearance_for(scene_.keys()->laryngoscope(), *scene_.laryngoscope_pose(), scene_.landmarks());
     double turned = 0.0, wrong = 0.0;
     int moved = 0;
     for (const auto& part : renderer_.meshes().patient().parts()) {
@@ -356,8 +355,8 @@ TEST_F(SceneRendererTest, NormalsTurnWithWhatGivesWay) {
     EXPECT_LT(wrong, 0.25 * turned);
 }
 
-// The section looks into throat, larynx and windpipe, which are one surface with the skin.
-TEST_F(SceneRendererTest, TellsTissuesOfOneSurfaceApart) {
+// The section shows the inside of throat, larynx and trachea, which are one surface with the skin.
+TEST_F(SceneRendererTest, DistinguishesTissuesOfOneSurface) {
     View opened = named("section");
     std::erase(opened.passes, render::Pass::caps);
     const render::Image objects = picture(opened, scene_, Shading::object_id);
@@ -370,9 +369,9 @@ TEST_F(SceneRendererTest, TellsTissuesOfOneSurfaceApart) {
               count(objects, render::object_colour(Tissue::tongue)));
 }
 
-// Drawing needs nothing but the newest frames and the tube, in the section too: what a plane cuts is found on
-// the card.
-TEST_F(SceneRendererTest, ACutSendsNothing) {
+// Drawing uploads only the newest frames and the tube, also in the section: the cut is computed on the
+// graphics card.
+TEST_F(SceneRendererTest, SectionDrawUploadsNoBuffers) {
     const View& section = named("section");
     (void)picture(section, scene_, Shading::lit);
     scene_.apply(synthetic::deformation(source_, 2'000'000, 0.006f, 0.02f));
@@ -386,9 +385,9 @@ TEST_F(SceneRendererTest, ACutSendsNothing) {
     epoxy_glBufferData = sends;
 }
 
-// A lamp before the face, seen in the section: the walls of larynx and windpipe face it, but lie behind the
-// face.
-TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
+// A lamp in front of the face, seen in the section: the walls of larynx and trachea face it, but lie behind
+// the face.
+TEST_F(SceneRendererTest, LampIsOccluded) {
     View opened = named("section");
     opened.passes = {render::Pass::lamp_shadow, render::Pass::patient};
     opened.lighting = [](const render::Camera&, const std::optional<render::Light>& lamp) {
@@ -419,7 +418,7 @@ TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
                  tissue == render::tissue_label(Tissue::trachea)) &&
                 without_shadow.rgba[i] > 60) {
                 ++all;
-                // In sRGB, where a tenth of the light is a third: what lit walls give.
+                // In sRGB, where a tenth of the light is a third: the share from lit walls.
                 lit += 2 * with_shadow.rgba[i] > without_shadow.rgba[i] ? 1 : 0;
             }
         }
@@ -428,7 +427,7 @@ TEST_F(SceneRendererTest, TheLampsLightEndsAtWhatIsInItsWay) {
     }
 }
 
-TEST_F(SceneRendererTest, ShowsFacesSeenFromBehindWhereAskedTo) {
+TEST_F(SceneRendererTest, ShowsBackFacesOnRequest) {
     // From within the head every surface of it shows its back.
     View inside = named("overview");
     inside.cameras = [](const view::SceneView&, const render::Vantage&) {
@@ -448,12 +447,12 @@ TEST_F(SceneRendererTest, ShowsFacesSeenFromBehindWhereAskedTo) {
         count(picture(named("overview"), scene_, Shading::object_id), render::object_colour(Tissue::soft)));
 }
 
-TEST_F(SceneRendererTest, BothEyesStandSideBySideAndSeeFromTwoPlaces) {
+TEST_F(SceneRendererTest, StereoEyesAreSideBySideWithParallax) {
     const render::Image both = picture(named("stereo"), scene_, Shading::object_id);
     const auto cameras = named("stereo").cameras(scene_, {});
     ASSERT_EQ(cameras.size(), 2u);
     EXPECT_NEAR((cameras[1].eye - cameras[0].eye).norm(), 0.063f, 1e-5f);
-    // The right eye sees the blade farther to the left than the left one does.
+    // The right eye sees the blade farther to the left than the left eye does.
     std::array<double, 2> column{}, pixels{};
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
@@ -469,7 +468,7 @@ TEST_F(SceneRendererTest, BothEyesStandSideBySideAndSeeFromTwoPlaces) {
     EXPECT_LT(column[1] / pixels[1], column[0] / pixels[0] - 3.0);
 }
 
-TEST_F(SceneRendererTest, EveryRungOfTheLadderDrawsEveryView) {
+TEST_F(SceneRendererTest, EveryQualityLevelDrawsEveryView) {
     for (const render::Quality& quality : render::qualities()) {
         render::SceneRenderer renderer(quality);
         render::RenderTarget target(width, height, quality.samples);
@@ -486,8 +485,8 @@ TEST_F(SceneRendererTest, EveryRungOfTheLadderDrawsEveryView) {
     }
 }
 
-// What the vignette takes from a corner it leaves in the middle; fog lifts what is black.
-TEST_F(SceneRendererTest, ToneMappingIsThatOfTheViewsRow) {
+// The vignette darkens a corner but not the middle; fog lifts black.
+TEST_F(SceneRendererTest, ToneMappingAppliesVignetteAndFogging) {
     const View& mouth = named("laryngoscope");
     View open = mouth, fogged = mouth;
     open.tone.vignette = 0.0f;
@@ -511,8 +510,8 @@ TEST_F(SceneRendererTest, ToneMappingIsThatOfTheViewsRow) {
     EXPECT_GT(darkest, 10);
 }
 
-// Light that became a value of a picture: sRGB (IEC 61966-2-1) and the film's curve (Narkowicz 2015) undone.
-double light_of(std::uint8_t value) {
+// Scene light of a picture's value: inverts sRGB (IEC 61966-2-1) and the film curve (Narkowicz 2015).
+double aim_status(std::uint8_t value) {
     const double v = value / 255.0;
     const double y = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
     const double a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y, c = -0.14 * y;
@@ -529,15 +528,16 @@ double mean_light(const render::Image& image) {
                 image.width / image.height;
             const double t = std::clamp((out - 0.75) / 0.7, 0.0, 1.0), weight = 1.0 - t * t * (3.0 - 2.0 * t);
             const std::uint8_t* p = image.pixel(x, y);
-            sum += weight * (0.2126 * light_of(p[0]) + 0.7152 * light_of(p[1]) + 0.0722 * light_of(p[2]));
+            sum +=
+                weight * (0.2126 * aim_status(p[0]) + 0.7152 * aim_status(p[1]) + 0.0722 * aim_status(p[2]));
             weights += weight;
         }
     }
     return sum / weights;
 }
 
-// A camera that meters its picture brings one that is too bright down to what it is set to, and no other.
-TEST_F(SceneRendererTest, ABrightPictureIsBroughtDownToWhatItsCameraMeters) {
+// Automatic exposure brings a picture that is too bright down to its set point, and changes no other.
+TEST_F(SceneRendererTest, ExposureMeteringDarkensBrightPicturesOnly) {
     View plain = named("laryngoscope");
     plain.tone = {};
     const render::Image as_lit = picture(plain, scene_, Shading::lit);
@@ -554,7 +554,7 @@ TEST_F(SceneRendererTest, ABrightPictureIsBroughtDownToWhatItsCameraMeters) {
     EXPECT_EQ(picture(metered, scene_, Shading::lit).rgba, as_lit.rgba);
 }
 
-TEST_F(SceneRendererTest, AnIncompleteSceneDrawsOnlyBackground) {
+TEST_F(SceneRendererTest, IncompleteSceneDrawsOnlyBackground) {
     view::SceneView partial;
     partial.apply(source_.objects[1]);
     render::SceneRenderer renderer;

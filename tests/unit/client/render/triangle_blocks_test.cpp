@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/triangle_blocks.hpp"
+#include "client/render/mesh/triangle_blocks.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/render/camera.hpp"
+#include "client/render/views/camera.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
 namespace {
 
-// Every vertex carried by both of two frames, in shares that go over from one to the other along z.
+// Every vertex is skinned to two frames, with weights that shift from one to the other along z.
 std::vector<SkinWeights> skin_of(const TriangleMesh& mesh) {
     std::vector<SkinWeights> skin(mesh.vertices.size());
     for (std::size_t v = 0; v < skin.size(); ++v) {
@@ -44,21 +44,21 @@ std::vector<Triangle> sorted(std::span<const Triangle> triangles) {
 
 const Eigen::Vector4f everywhere(0.0f, 0.0f, 0.0f, 1.0f);
 
-TEST(TriangleBlocks, SeeEverythingOnceFromAfar) {
+TEST(TriangleBlocks, DistantViewContainsEachTriangleOnce) {
     const TriangleMesh mesh = synthetic::body_mesh();
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
     blocks.update(at_rest);
     render::Camera camera;
     camera.eye = Vec3f(0.5f, -0.5f, 0.5f);
     camera.target = Vec3f(0.0f, 0.04f, 0.0f);
-    camera.vertical_field = 1.0f;
+    camera.vertical_fov = 1.0f;
     const auto all =
         triangles_of(blocks, blocks.visible(camera.projection(1.0f) * camera.view(), camera.eye, everywhere));
     EXPECT_EQ(sorted(all), sorted(mesh.triangles));
 }
 
-// Reference: every vertex projected by itself. A triangle with a corner in the picture must be there.
-TEST(TriangleBlocks, NeverLeaveOutWhatIsInThePicture) {
+// Reference: every vertex projected individually. A triangle with a corner in the picture must be included.
+TEST(TriangleBlocks, CullingKeepsVisibleTriangles) {
     const TriangleMesh mesh = synthetic::body_mesh();
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
     blocks.update(at_rest);
@@ -67,7 +67,7 @@ TEST(TriangleBlocks, NeverLeaveOutWhatIsInThePicture) {
         render::Camera camera;
         camera.eye = Vec3f(0.1f, -0.25f, 0.2f);
         camera.target = Vec3f(0.0f, 0.03f, 0.0f);
-        camera.vertical_field = field;
+        camera.vertical_fov = field;
         const Eigen::Matrix4f matrix = camera.projection(4.0f / 3.0f) * camera.view();
         const auto drawn = sorted(triangles_of(blocks, blocks.visible(matrix, camera.eye, right_half)));
         std::size_t needed = 0;
@@ -88,8 +88,8 @@ TEST(TriangleBlocks, NeverLeaveOutWhatIsInThePicture) {
     }
 }
 
-// The half whose second frame has moved away comes into a picture that holds nothing at rest.
-TEST(TriangleBlocks, FollowTheFramesThatCarryThem) {
+// The half whose second frame has moved enters a picture that holds nothing at rest.
+TEST(TriangleBlocks, BoundsFollowSkinningFrames) {
     const TriangleMesh mesh = synthetic::body_mesh();
     const std::vector<SkinWeights> skin = skin_of(mesh);
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin);
@@ -99,7 +99,7 @@ TEST(TriangleBlocks, FollowTheFramesThatCarryThem) {
     render::Camera camera;
     camera.eye = Vec3f(0.35f, -0.5f, 0.0f);
     camera.target = Vec3f(0.35f, 0.04f, 0.0f);
-    camera.vertical_field = 0.3f;
+    camera.vertical_fov = 0.3f;
     const Eigen::Matrix4f matrix = camera.projection(1.0f) * camera.view();
     blocks.update(at_rest);
     EXPECT_TRUE(blocks.visible(matrix, camera.eye, everywhere).empty());
@@ -119,22 +119,22 @@ TEST(TriangleBlocks, FollowTheFramesThatCarryThem) {
     EXPECT_GT(needed, 100u);
 }
 
-// What a caller says may lie elsewhere comes into a picture that holds none of it at its place.
-TEST(TriangleBlocks, ComeFromAsFarAsTheyMayLieElsewhere) {
+// Surfaces that the caller declares displaced enter a picture that holds none of them at rest.
+TEST(TriangleBlocks, BoundsIncludeDisplacementMargin) {
     const TriangleMesh mesh = synthetic::body_mesh();
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
     blocks.update(at_rest);
     render::Camera camera;
     camera.eye = Vec3f(0.35f, -0.5f, 0.0f);
     camera.target = Vec3f(0.35f, 0.04f, 0.0f);
-    camera.vertical_field = 0.3f;
+    camera.vertical_fov = 0.3f;
     const Eigen::Matrix4f matrix = camera.projection(1.0f) * camera.view();
     const auto far = [](const Vec3f& centre, float) { return centre.z() > 0.0f ? 0.3f : 0.0f; };
     EXPECT_TRUE(blocks.visible(matrix, camera.eye, everywhere).empty());
     const auto drawn = triangles_of(blocks, blocks.visible(matrix, camera.eye, everywhere, far));
     EXPECT_GT(drawn.size(), 100u);
     EXPECT_LT(drawn.size(), mesh.triangles.size() * 3 / 4) << "what lies lower stays out";
-    // The same from the frames' side.
+    // The same for moved frames.
     blocks.update(at_rest, far);
     EXPECT_EQ(sorted(triangles_of(blocks, blocks.visible(matrix, camera.eye, everywhere))), sorted(drawn));
     EXPECT_TRUE(
@@ -142,14 +142,14 @@ TEST(TriangleBlocks, ComeFromAsFarAsTheyMayLieElsewhere) {
             .empty());
 }
 
-// Reference: each triangle by itself.
-TEST(TriangleBlocks, NearAPlaneAreAllThatItCuts) {
+// Reference: each triangle individually.
+TEST(TriangleBlocks, PlaneQueryContainsAllCutTriangles) {
     const TriangleMesh mesh = synthetic::body_mesh();
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
     blocks.update(at_rest);
     for (const Eigen::Vector4f& plane :
          {Eigen::Vector4f(-1.0f, 0.0f, 0.0f, 0.0f), Eigen::Vector4f(0.3f, 1.0f, 2.0f, 0.01f)}) {
-        const auto found = blocks.near_plane(plane);
+        const auto found = blocks.cut_candidates(plane);
         const auto drawn = sorted(triangles_of(blocks, found.ranges));
         std::size_t cut = 0;
         for (const Triangle& triangle : mesh.triangles) {
@@ -167,17 +167,17 @@ TEST(TriangleBlocks, NearAPlaneAreAllThatItCuts) {
         EXPECT_LT(drawn.size(), mesh.triangles.size() / 2);
         EXPECT_TRUE(found.box.contains(found.middle));
     }
-    EXPECT_TRUE(blocks.near_plane({0.0f, 0.0f, 1.0f, 10.0f}).ranges.empty());
+    EXPECT_TRUE(blocks.cut_candidates({0.0f, 0.0f, 1.0f, 10.0f}).ranges.empty());
 }
 
-TEST(TriangleBlocks, ComeNearestFirst) {
+TEST(TriangleBlocks, AreSortedFrontToBack) {
     const TriangleMesh mesh = synthetic::body_mesh();
     render::TriangleBlocks blocks(mesh.triangles, mesh.vertices, skin_of(mesh));
     blocks.update(at_rest);
     render::Camera camera;
     camera.eye = Vec3f(0.0f, -0.6f, 0.0f);
     camera.target = Vec3f(0.0f, 0.04f, 0.0f);
-    camera.vertical_field = 1.0f;
+    camera.vertical_fov = 1.0f;
     const auto drawn =
         triangles_of(blocks, blocks.visible(camera.projection(1.0f) * camera.view(), camera.eye, everywhere));
     const auto distance = [&](const Triangle& t) { return (mesh.vertices[t[0]] - camera.eye).norm(); };

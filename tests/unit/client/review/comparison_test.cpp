@@ -9,9 +9,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "client/review/form.hpp"
 #include "client/review/output.hpp"
-#include "client/review/ratings.hpp"
+#include "client/review/study/form.hpp"
+#include "client/review/study/ratings.hpp"
 #include "common/scenario/scenario.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
@@ -29,7 +29,8 @@ class Study : public ::testing::Test {
     }
     ~Study() override { std::filesystem::remove_all(folder); }
 
-    /// A session of three steps whose run took `time` and pressed the gum so; without `ends` it is cut off.
+    /// A session of three steps whose run took `time` with that force on the gum; without `ends` it is cut
+    /// off.
     std::filesystem::path session(const std::string& name, const std::string& participant, double time,
                                   double gum = 1.0, bool ends = true) const {
         session::SessionInfo info = session::sample::info();
@@ -44,9 +45,9 @@ class Study : public ::testing::Test {
         if (ends) {
             session::SummaryRecord run;
             run.outcome = {time < 20.0, "it ended"};
-            run.parameters = starting_parameters();
-            run.parameters.time_s = time;
-            run.parameters.gum_force_max_n = gum;
+            run.metrics = initial_metrics();
+            run.metrics.time_s = time;
+            run.metrics.gum_force_max_n = gum;
             writer.push(run);
         }
         EXPECT_TRUE(writer.close());
@@ -95,7 +96,7 @@ TEST_F(Study, GroupsHaveMeansDeviationsAndDifferences) {
     EXPECT_GT(time.contrasts[0].difference.interval.low, 0.0);
     EXPECT_DOUBLE_EQ(row(found, "success_percent").groups[0].mean, 100.0);
     EXPECT_DOUBLE_EQ(row(found, "success_percent").groups[1].mean, 0.0);
-    // One test of the paper's measures has something to tell: Holm counts it alone.
+    // Only one test of the paper's measures is informative: Holm counts it alone.
     EXPECT_DOUBLE_EQ(time.contrasts[0].p_adjusted, time.contrasts[0].difference.p);
     // A tube that never entered a mouth has no speed in any session.
     EXPECT_EQ(std::ranges::count_if(
@@ -103,7 +104,7 @@ TEST_F(Study, GroupsHaveMeansDeviationsAndDifferences) {
               0);
 }
 
-TEST_F(Study, PairsGoByParticipantWhateverTheOrder) {
+TEST_F(Study, PairsSessionsByParticipant) {
     const Comparison found =
         compared({{"before", {session("a1", "P1", 30), session("a2", "P2", 20), session("a3", "P3", 15)}},
                   {"after", {session("b2", "P2", 15), session("b4", "P4", 99), session("b1", "P1", 22)}}},
@@ -116,7 +117,7 @@ TEST_F(Study, PairsGoByParticipantWhateverTheOrder) {
     EXPECT_NE(found.remarks[1].find("P4"), std::string::npos);
 }
 
-TEST_F(Study, WithoutParticipantsPairsGoByOrder) {
+TEST_F(Study, PairsSessionsByOrderWithoutParticipants) {
     const Comparison found = compared({{"a", {session("1", "", 10), session("2", "", 20)}},
                                        {"b", {session("3", "", 11), session("4", "", 23)}}},
                                       true);
@@ -124,7 +125,7 @@ TEST_F(Study, WithoutParticipantsPairsGoByOrder) {
     EXPECT_EQ(found.remarks.size(), 1u);
 }
 
-TEST_F(Study, WhatCannotBeComparedIsRefusedWithItsReason) {
+TEST_F(Study, RejectsInvalidComparisonsWithReason) {
     const auto one = session("1", "P1", 10), two = session("2", "P2", 12), third = session("3", "P1", 12),
                plain = session("4", "", 9), cut = session("5", "P2", 0, 0, false);
     EXPECT_NE(refusal({{"a", {one}}}).find("one group"), std::string::npos);
@@ -136,14 +137,14 @@ TEST_F(Study, WhatCannotBeComparedIsRefusedWithItsReason) {
     EXPECT_NE(refusal({{"a", {one}}, {"b", {plain}}}, true).find("1 of 2 files name no participant"),
               std::string::npos);
     EXPECT_NE(refusal({{"a", {one}}, {"b", {two}}}, true).find("0 participants"), std::string::npos);
-    // Cut off, it is left out and said.
+    // A truncated session is left out and reported.
     const Comparison found = compared({{"a", {one}}, {"b", {two, cut}}}, false);
     EXPECT_EQ(found.groups[1].sessions.size(), 1u);
     ASSERT_EQ(found.remarks.size(), 1u);
     EXPECT_NE(found.remarks[0].find("5.eti.h5 is left out"), std::string::npos);
 }
 
-TEST_F(Study, TheTablesRowsAreSessions) {
+TEST_F(Study, CsvHasOneRowPerSession) {
     const Comparison found = compared(
         {{"a", {session("1", "P1", 10, 2.5)}}, {"b \"x\"", {session("2", "P\"2", 12), session("3", "", 40)}}},
         false);
@@ -160,7 +161,7 @@ TEST_F(Study, TheTablesRowsAreSessions) {
     EXPECT_EQ(std::ranges::count(head, ','), std::ranges::count(row, ','));
 }
 
-TEST_F(Study, APageShowsTextsAsTexts) {
+TEST_F(Study, HtmlPageEscapesText) {
     const Comparison found = compared({{"<script>alert(1)</script>", {session("1", "\"><img src=x>", 10)}},
                                        {"b", {session("2", "", 12), session("3", "", 14)}}},
                                       false);
@@ -171,7 +172,7 @@ TEST_F(Study, APageShowsTextsAsTexts) {
     EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
 }
 
-TEST_F(Study, RatersAgreeByItem) {
+TEST_F(Study, ComputesRaterAgreementPerItem) {
     std::vector<std::filesystem::path> files;
     const int scores[4][2] = {{1, 2}, {3, 3}, {4, 5}, {5, 5}};
     for (int i = 0; i < 4; ++i) {
@@ -194,7 +195,7 @@ TEST_F(Study, RatersAgreeByItem) {
     EXPECT_THROW((void)rater_agreement({session("none", "", 1)}, 0.95), RatingError);
 }
 
-TEST_F(Study, RatingsAreOnFivePoints) {
+TEST_F(Study, RatingsUseFivePointScale) {
     EXPECT_EQ(parse_rating("a=1", "x").score, 1);
     EXPECT_EQ(parse_rating("depth-of_tube2=5", "x").item, "depth-of_tube2");
     for (const char* text : {"a=0", "a=6", "a=", "=3", "a", "a b=3", "a=3.5", "a=10", "a=-1", "a= 3"}) {
@@ -202,7 +203,7 @@ TEST_F(Study, RatingsAreOnFivePoints) {
     }
 }
 
-TEST_F(Study, AFormTakesTheAnswersThatItAsksFor) {
+TEST_F(Study, FormAcceptsValidAnswersOnly) {
     const auto write = [&](const char* name, const std::string& text) {
         std::ofstream(folder / name) << text;
         return folder / name;
@@ -213,12 +214,12 @@ TEST_F(Study, AFormTakesTheAnswersThatItAsksFor) {
                         "  - {name: hard, ask: \"Hard?\", kind: yes_no}\n"
                         "  - {name: missing, ask: \"What is missing?\", kind: words}\n"));
     ASSERT_EQ(form.questions.size(), 3u);
-    EXPECT_TRUE(acceptable(form.questions[0], "5"));
+    EXPECT_TRUE(is_valid_answer(form.questions[0], "5"));
     for (const char* no : {"0", "6", "", "4.5", "yes"}) {
-        EXPECT_FALSE(acceptable(form.questions[0], no)) << no;
+        EXPECT_FALSE(is_valid_answer(form.questions[0], no)) << no;
     }
-    EXPECT_FALSE(acceptable(form.questions[1], "maybe"));
-    EXPECT_FALSE(acceptable(form.questions[2], "a\x1b[2J"));
+    EXPECT_FALSE(is_valid_answer(form.questions[1], "maybe"));
+    EXPECT_FALSE(is_valid_answer(form.questions[2], "a\x1b[2J"));
     const auto answers = load_answers(form, write("answers.yaml", "look: 4\nmissing: foam, above all\n"));
     ASSERT_EQ(answers.size(), 2u);
     EXPECT_EQ(answers[0].answer, "4");
@@ -230,7 +231,7 @@ TEST_F(Study, AFormTakesTheAnswersThatItAsksFor) {
                  InputError);
 }
 
-TEST_F(Study, TheShippedFormsAreSound) {
+TEST_F(Study, ShippedFormsAreValid) {
     for (const std::string& name : data_names("forms")) {
         EXPECT_FALSE(load_form(find_data_file(name, "forms")).questions.empty()) << name;
     }

@@ -40,7 +40,7 @@ class Report : public ::testing::Test {
             session::StepRecord step = session::sample::step(i);
             step.attempt = 1;
             step.attempt_running = true;
-            step.parameters = starting_parameters();
+            step.metrics = initial_metrics();
             change(i, step);
             writer.push(step);
         }
@@ -60,7 +60,7 @@ class Report : public ::testing::Test {
     std::filesystem::path path;
 };
 
-TEST_F(Report, TheTimeLineKeepsPeaksThatLastAStep) {
+TEST_F(Report, TimelineKeepsSingleStepPeaks) {
     record(600, [](std::uint64_t i, session::StepRecord& step) {
         step.gum_force_n = i == 301 ? 7.5f : 1.0f;
         step.glottic_opening_percent = i == 123 ? 80.0f : 0.0f;
@@ -79,17 +79,17 @@ TEST_F(Report, TheTimeLineKeepsPeaksThatLastAStep) {
     EXPECT_EQ(greatest(1), 80.0);
 }
 
-TEST_F(Report, WorstMissComesFirstWithItsMoment) {
+TEST_F(Report, ListsWorstMissFirstWithItsTime) {
     session::SummaryRecord run;
-    run.parameters = starting_parameters();
-    run.parameters.oesophageal_entries = 3;  // misses its aim of none by more than one does
-    run.parameters.time_s = 31;              // nearly 30
-    run.parameters.cormack_lehane_grade = 1;
-    run.parameters.attempts = 1;
+    run.metrics = initial_metrics();
+    run.metrics.oesophageal_entries = 3;  // exceeds its target of none by more than a single entry does
+    run.metrics.time_s = 31;              // nearly 30
+    run.metrics.cormack_lehane_grade = 1;
+    run.metrics.attempts = 1;
     record(600,
            [](std::uint64_t i, session::StepRecord& step) {
-               step.parameters.oesophageal_entries = i >= 360 ? 3 : 0;
-               step.parameters.time_s = i >= 540 ? 31 : 1;
+               step.metrics.oesophageal_entries = i >= 360 ? 3 : 0;
+               step.metrics.time_s = i >= 540 ? 31 : 1;
            },
            {run});
     const auto practise = json()["practise"];
@@ -102,21 +102,22 @@ TEST_F(Report, WorstMissComesFirstWithItsMoment) {
     EXPECT_NEAR(practise[1]["time_s"].get<double>(), 3.0, 1e-6);
 }
 
-TEST_F(Report, WithoutASummaryTheOutcomeIsUnknown) {
+TEST_F(Report, OutcomeIsUnknownWithoutSummary) {
     record(50, [](std::uint64_t, session::StepRecord&) {});
     EXPECT_TRUE(json()["run"]["success"].is_null());
 }
 
-TEST_F(Report, NothingButNaNAndNoStepAtAllAreShown) {
+TEST_F(Report, HandlesAllNanAndEmptySessions) {
     record(50, [](std::uint64_t, session::StepRecord& step) {
-        for (const ParameterField& field : parameter_fields) {
-            step.parameters.*field.value = nan;
+        for (const MetricField& field : metric_fields) {
+            step.metrics.*field.value = nan;
         }
-        step.gum_force_n = step.glottic_opening_percent = step.tube_depth_past_glottis = session::no_number;
-        step.proxy = session::no_pose();
-        step.tube_nodes.assign(session::sample::tube_nodes, Vec3f::Constant(session::no_number));
+        step.gum_force_n = step.glottic_opening_percent = step.tube_depth_past_glottis =
+            session::missing_number;
+        step.proxy = session::missing_pose();
+        step.tube_nodes.assign(session::sample::tube_nodes, Vec3f::Constant(session::missing_number));
     });
-    const auto text = nlohmann::ordered_json::parse(embeddable(json()));
+    const auto text = nlohmann::ordered_json::parse(escape_for_script(json()));
     for (const auto& value : text["run"]["values"]) {
         EXPECT_TRUE(value.is_null());
     }
@@ -132,15 +133,15 @@ TEST_F(Report, NothingButNaNAndNoStepAtAllAreShown) {
     EXPECT_TRUE(json()["samples"]["time_s"].empty());
 }
 
-TEST_F(Report, HostileTextsStayTexts) {
+TEST_F(Report, EscapesHostileText) {
     record(10, [](std::uint64_t, session::StepRecord&) {});
-    const std::string text = embeddable(json());
+    const std::string text = escape_for_script(json());
     EXPECT_EQ(text.find('<'), std::string::npos);
     EXPECT_EQ(nlohmann::ordered_json::parse(text)["scenario"], hostile);
-    EXPECT_EQ(embeddable("\xff<"), "\"\xef\xbf\xbd\\u003c\"");
+    EXPECT_EQ(escape_for_script("\xff<"), "\"\xef\xbf\xbd\\u003c\"");
 }
 
-TEST_F(Report, ThePageHoldsItsSessionsAndReplacesNone) {
+TEST_F(Report, PageEmbedsSessionsAndIsNotOverwritten) {
     if (report_page().empty()) {
         GTEST_SKIP() << "built without the page, as npm was missing";
     }
@@ -156,7 +157,7 @@ TEST_F(Report, ThePageHoldsItsSessionsAndReplacesNone) {
         nlohmann::ordered_json::parse(text.str().substr(from, text.str().find("</script>", from) - from));
     EXPECT_EQ(data["sessions"].size(), 2u);
     EXPECT_TRUE(data["sessions"][0]["score"].is_null()) << "of an outcome that is unknown";
-    EXPECT_EQ(data["fields"].size(), parameter_fields.size());
+    EXPECT_EQ(data["fields"].size(), metric_fields.size());
     EXPECT_THROW(write_report({path}, folder / "out", score, never), ExportError);
     EXPECT_TRUE(write_report({path}, folder / "stopped", score, [] { return true; }).empty());
 }

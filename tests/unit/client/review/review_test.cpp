@@ -48,12 +48,12 @@ session::SummaryRecord attempt(std::uint32_t number, double gum_force) {
     session::SummaryRecord record;
     record.attempt = number;
     record.outcome.reason = "attempt " + std::to_string(number) + " ended";
-    record.parameters.gum_force_max_n = gum_force;
-    record.parameters.tube_speed_max_cm_per_s = std::numeric_limits<double>::quiet_NaN();
+    record.metrics.gum_force_max_n = gum_force;
+    record.metrics.tube_speed_max_cm_per_s = std::numeric_limits<double>::quiet_NaN();
     return record;
 }
 
-TEST_F(Review, RemarksAndMarksAreSummedUpAndExported) {
+TEST_F(Review, SummarisesAndExportsNotesAndAnnotations) {
     {
         session::SessionWriter writer(path, session::sample::info(), session::sample::scene(), {});
         writer.push(session::sample::step(0));
@@ -95,7 +95,7 @@ TEST_F(Review, LiquidAndTissueAreExported) {
     {
         session::SessionWriter writer(path, session::sample::info(), scene, {});
         session::StepRecord step = session::sample::step(0);
-        step.live.tissue_stiffness = 12e3f;
+        step.runtime_parameters.tissue_stiffness = 12e3f;
         writer.push(step);
         writer.push(session::FluidRecord{500'000'000, {Vec3f(1, 2, 3), Vec3f(4, 5, 0.25f)}});
         ASSERT_TRUE(writer.close());
@@ -111,7 +111,7 @@ TEST_F(Review, LiquidAndTissueAreExported) {
     EXPECT_NE(text("tissue.csv").find("12000"), std::string::npos) << text("tissue.csv");
 }
 
-TEST_F(Review, JsonHasTheDesignsNamesAndNullForWhatDoesNotExist) {
+TEST_F(Review, JsonUsesDesignNamesAndNullIfMissing) {
     record(10, {attempt(1, 2.5), attempt(2, 3.5), attempt(0, 3.5)});
     const auto json = to_json(summarise(path));
     EXPECT_FALSE(json.at("success").get<bool>());
@@ -124,14 +124,14 @@ TEST_F(Review, JsonHasTheDesignsNamesAndNullForWhatDoesNotExist) {
     EXPECT_EQ(json.at("file"), path.string());
     EXPECT_EQ(json.at("scenario"), "term");
     EXPECT_NEAR(json.at("duration_s").get<double>(), 9.0 / 180.0, 1e-7);
-    for (const ParameterField& field : parameter_fields) {
+    for (const MetricField& field : metric_fields) {
         const std::string key(field.key.substr(0, field.key.find('.')));
         EXPECT_TRUE(json.at("parameters").contains(key)) << key;
     }
 }
 
 // Two attempts; the recording ends in the second, after the tube has passed the glottis.
-TEST_F(Review, ASessionWithoutASummaryIsSummedUpFromItsSteps) {
+TEST_F(Review, ComputesMissingSummaryFromSteps) {
     {
         session::SessionWriter writer(path, session::sample::info(), session::sample::scene(), {});
         for (std::uint64_t i = 0; i < 360; ++i) {
@@ -139,19 +139,19 @@ TEST_F(Review, ASessionWithoutASummaryIsSummedUpFromItsSteps) {
             step.attempt = i < 100 ? 1 : 2;
             step.attempt_running = i < 90 || i >= 100;
             step.tube_depth_past_glottis = i < 180 ? -0.01f : 0.012f;
-            step.parameters = {};
-            step.parameters.gum_force_max_n = i < 100 ? 3.0 : 2.0;
-            step.parameters.gum_force_mean_n = i < 100 ? 0.5 : 1.0;
-            step.parameters.time_s = i < 90 ? static_cast<double>(i) / 180.0 : i < 100 ? 0.5 : 1.5;
-            step.parameters.tube_speed_mean_cm_per_s = 7.0;
-            step.parameters.attempts = 1;
+            step.metrics = {};
+            step.metrics.gum_force_max_n = i < 100 ? 3.0 : 2.0;
+            step.metrics.gum_force_mean_n = i < 100 ? 0.5 : 1.0;
+            step.metrics.time_s = i < 90 ? static_cast<double>(i) / 180.0 : i < 100 ? 0.5 : 1.5;
+            step.metrics.tube_speed_mean_cm_per_s = 7.0;
+            step.metrics.attempts = 1;
             writer.push(step);
         }
         EXPECT_TRUE(writer.close());
     }
     const Summary summary = summarise(path);
     EXPECT_FALSE(summary.has_run);
-    EXPECT_EQ(summary.open_attempt, 2u);
+    EXPECT_EQ(summary.unfinished_attempt, 2u);
     const auto json = to_json(summary);
     EXPECT_TRUE(json.at("success").is_null());
     EXPECT_TRUE(json.at("attempts")[0].at("success").is_null());
@@ -169,12 +169,12 @@ TEST_F(Review, ASessionWithoutASummaryIsSummedUpFromItsSteps) {
     EXPECT_NE(to_table(summary).find("unknown: the recording ends"), std::string::npos);
 }
 
-TEST_F(Review, TableShowsThePapersParametersFirst) {
+TEST_F(Review, TableListsPaperParametersFirst) {
     record(10, {attempt(1, 2.5), attempt(0, 3.5)});
     const std::string table = to_table(summarise(path));
     std::size_t position = 0;
     for (const bool in_paper : {true, false}) {
-        for (const ParameterField& field : parameter_fields) {
+        for (const MetricField& field : metric_fields) {
             if (field.in_paper == in_paper) {
                 const std::size_t found = table.find("  " + std::string(field.label) + " ", position);
                 ASSERT_NE(found, std::string::npos) << field.label;
@@ -187,7 +187,7 @@ TEST_F(Review, TableShowsThePapersParametersFirst) {
     EXPECT_LT(row.find("3.50"), row.find("2.50")) << "the run stands before its attempts: " << row;
 }
 
-TEST_F(Review, TableStaysNarrowHoweverManyAttempts) {
+TEST_F(Review, TableWidthIsBoundedForManyAttempts) {
     std::vector<session::SummaryRecord> all;
     for (std::uint32_t i = 0; i <= 11; ++i) {
         all.push_back(attempt(i, i));
@@ -209,7 +209,7 @@ TEST_F(Review, TableStaysNarrowHoweverManyAttempts) {
     }
 }
 
-TEST_F(Review, ExportQuotesTexts) {
+TEST_F(Review, ExportQuotesText) {
     record(10, {}, "the \"blade\", or so\nit says");
     export_csv(
         path, folder / "csv", [](const auto&) {}, [] { return false; });
@@ -219,7 +219,7 @@ TEST_F(Review, ExportQuotesTexts) {
               "time [s],kind,text\r\n0.000000000,\"attempt\",\"the \"\"blade\"\", or so\nit says\"\r\n");
 }
 
-TEST_F(Review, AStoppedExportLeavesOnlyWholeFiles) {
+TEST_F(Review, StoppedExportLeavesOnlyCompleteFiles) {
     record(200, {});
     int asked = 0;
     const auto written = export_csv(
@@ -228,7 +228,7 @@ TEST_F(Review, AStoppedExportLeavesOnlyWholeFiles) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "csv"), {}), 2);
 }
 
-TEST_F(Review, AnExportSaysWhereItCannotWrite) {
+TEST_F(Review, ExportErrorNamesUnwritableFolder) {
     record(10, {});
     std::ofstream(folder / "csv") << "a file where the folder should be";
     try {

@@ -25,9 +25,9 @@ std::size_t feature(std::string_view key) {
 
 Example example(double pitch_peaks, double time_s, int grade) {
     Example one;
-    one.parameters = starting_parameters();
-    one.parameters.pitch_peaks = pitch_peaks;
-    one.parameters.time_s = time_s;
+    one.metrics = initial_metrics();
+    one.metrics.pitch_peaks = pitch_peaks;
+    one.metrics.time_s = time_s;
     one.grade = grade;
     return one;
 }
@@ -37,14 +37,14 @@ const std::vector<Example> twelve = {example(0, 12, 5), example(1, 15, 5), examp
                                      example(3, 40, 2), example(4, 25, 3), example(4, 35, 4),
                                      example(5, 50, 2), example(6, 33, 1), example(7, 60, 1)};
 
-// Closed form: where nothing tells sessions apart, the chance of each grade is its share.
-TEST(AutomaticScore, WithoutAnythingToTellThemApartChancesAreShares) {
+// Closed form: if no feature distinguishes sessions, the probability of each grade is its share.
+TEST(AutomaticScore, UninformativeFeaturesYieldGradeFrequencies) {
     std::vector<Example> examples;
     for (const auto& [grade, count] : {std::pair{1, 2}, {2, 3}, {3, 5}, {4, 6}, {5, 4}}) {
         examples.insert(examples.end(), static_cast<std::size_t>(count), example(2, 20, grade));
     }
     const ScoreModel model = fit(examples, 1.0);
-    const Score score = score_of(model, examples.front().parameters, false);
+    const Score score = score_of(model, examples.front().metrics, false);
     const double shares[] = {0.1, 0.15, 0.25, 0.3, 0.2};
     for (std::size_t k = 0; k < score.chance.size(); ++k) {
         EXPECT_NEAR(score.chance[k], shares[k], 1e-5) << "grade " << k + 1;
@@ -56,7 +56,7 @@ TEST(AutomaticScore, WithoutAnythingToTellThemApartChancesAreShares) {
 
 // Reference: the same likelihood written for SciPy 1.10, with thresholds that are sorted instead of built
 // from differences, minimised by BFGS from five starts (gradient below 1e-9).
-TEST(AutomaticScore, IsFittedAsBySciPy) {
+TEST(AutomaticScore, FitMatchesSciPy) {
     const ScoreModel model = fit(twelve, 0.5);
     const double thresholds[] = {-3.48353585, -1.34780605, 0.16917167, 2.56703372};
     for (std::size_t k = 0; k < model.thresholds.size(); ++k) {
@@ -67,10 +67,10 @@ TEST(AutomaticScore, IsFittedAsBySciPy) {
     EXPECT_NEAR(model.weights[feature("attempts")].weight, 0.0, 1e-9) << "never varies";
 }
 
-// Reference: the same, by L-BFGS-B with bounds and then Nelder-Mead, from eight starts. Who failed had grade
-// 2 or less, and mostly took long. A penalty on the outcome's weight as on the others' would make it 1.6, and
-// time's -0.61.
-TEST(AutomaticScore, TheOutcomeIsPenalisedByAHundredth) {
+// Reference: the same, by L-BFGS-B with bounds and then Nelder-Mead, from eight starts. Failed sessions had
+// grade 2 or less, and mostly took long. If the outcome's weight were penalised like the others, it would be
+// 1.6, and time's -0.61.
+TEST(AutomaticScore, OutcomeHasOneHundredthOfThePenalty) {
     std::vector<Example> examples = twelve;
     for (Example& one : examples) {
         one.intubated = one.grade > 2;
@@ -85,12 +85,12 @@ TEST(AutomaticScore, TheOutcomeIsPenalisedByAHundredth) {
     EXPECT_NEAR(model.weights[feature("time_s")].weight, -0.38020595, 1e-3);
 }
 
-TEST(AutomaticScore, ContributionsAddUpToIt) {
+TEST(AutomaticScore, ContributionsSumToGrade) {
     const ScoreModel model = fit(twelve, 0.5);
     for (const Example& one : twelve) {
-        const Score score = score_of(model, one.parameters, one.intubated);
+        const Score score = score_of(model, one.metrics, one.intubated);
         const double odds = std::accumulate(score.contributions.begin(), score.contributions.end(), 0.0);
-        // The chance of a grade above k by the definition of proportional odds.
+        // Probability of a grade above k by the definition of proportional odds.
         double grade = 1.0;
         for (const double threshold : model.thresholds) {
             grade += 1.0 / (1.0 + std::exp(threshold - odds));
@@ -99,9 +99,9 @@ TEST(AutomaticScore, ContributionsAddUpToIt) {
     }
 }
 
-TEST(AutomaticScore, WhatIsMissingOrBeyondTrainingDoesNotRunAway) {
+TEST(AutomaticScore, ClampsMissingAndExtrapolatedFeatures) {
     const ScoreModel model = fit(twelve, 0.5);
-    Parameters parameters = twelve[0].parameters;
+    AttemptMetrics parameters = twelve[0].metrics;
     parameters.pitch_peaks = 1000;
     const Score far = score_of(model, parameters, false);
     parameters.pitch_peaks = 7;
@@ -113,12 +113,13 @@ TEST(AutomaticScore, WhatIsMissingOrBeyondTrainingDoesNotRunAway) {
     EXPECT_FALSE(without.measured[feature("pitch_peaks")]);
 }
 
-// Whatever the training says by chance: here whoever rocked more and saw less had the better grade.
-TEST(AutomaticScore, NeverPraisesForceTimeOrFailure) {
+// Whatever the training data suggest by chance: here sessions with more rocking and a worse view had the
+// better grade.
+TEST(AutomaticScore, NeverRewardsForceTimeOrFailure) {
     std::vector<Example> examples = twelve;
     for (Example& one : examples) {
-        one.parameters.pitch_peaks = one.grade;
-        one.parameters.glottic_opening_mean_percent = 10 * (6 - one.grade);
+        one.metrics.pitch_peaks = one.grade;
+        one.metrics.glottic_opening_mean_percent = 10 * (6 - one.grade);
         one.intubated = one.grade < 4;
     }
     const ScoreModel model = fit(examples, 0.5);
@@ -135,19 +136,19 @@ TEST(AutomaticScore, NeverPraisesForceTimeOrFailure) {
     }
 }
 
-TEST(AutomaticScore, WhatWasNotReachedCountsAsTheWorst) {
+TEST(AutomaticScore, UnreachedMilestoneCountsAsWorst) {
     std::vector<Example> examples = twelve;
     for (Example& one :
-         examples) {  // all intubated, the later and the farther off the worse; the worst never saw
+         examples) {  // all intubated; later and farther off is worse; the worst never saw the glottis
         one.intubated = true;
         if (one.grade > 1) {
-            one.parameters.time_to_first_view_s = 15.0 - one.grade;
+            one.metrics.time_to_first_view_s = 15.0 - one.grade;
         }
-        one.parameters.tube_depth_at_lip_cm = 10.0 - 0.2 * one.grade;
-        one.parameters.tube_depth_rule_cm = 9.0;
+        one.metrics.tube_depth_at_lip_cm = 10.0 - 0.2 * one.grade;
+        one.metrics.tube_depth_rule_cm = 9.0;
     }
     const ScoreModel model = fit(examples, 0.5);
-    Parameters parameters = examples[0].parameters;
+    AttemptMetrics parameters = examples[0].metrics;
     const Score early = score_of(model, parameters, true);
     parameters.time_to_first_view_s = 13.0;
     const Score late = score_of(model, parameters, true);
@@ -156,38 +157,38 @@ TEST(AutomaticScore, WhatWasNotReachedCountsAsTheWorst) {
     EXPECT_LT(late.grade, early.grade - 0.001);
     EXPECT_EQ(never.grade, late.grade);
     EXPECT_FALSE(never.measured[feature("time_to_first_view_s")]);
-    // A tube that lies by its mark, though elsewhere, is none that lies right.
+    // A tube at its depth mark, but in the wrong place, does not count as correct.
     const std::size_t depth = feature("tube_depth_at_lip_cm");
-    const Score elsewhere = score_of(model, examples[0].parameters, false);
+    const Score elsewhere = score_of(model, examples[0].metrics, false);
     EXPECT_FALSE(elsewhere.measured[depth]);
     EXPECT_LT(elsewhere.contributions[depth], early.contributions[depth] - 0.1);
 }
 
-TEST(AutomaticScore, IsReadAsItWasWritten) {
+TEST(AutomaticScore, RoundTripsThroughYaml) {
     ScoreModel model = fit(twelve, 0.5);
     model.name = "lab";
     model.source = "instructors' ratings of 'overall'";
-    model.people = true;
-    model.judged.all.rank = -0.25;
-    model.judged.intubated = {7, 0.5, 0.75, 0.125};
-    model.judged.calibration[1] = {3, 0.3, 0.3333};
+    model.human_rated = true;
+    model.validation.all.rank = -0.25;
+    model.validation.intubated = {7, 0.5, 0.75, 0.125};
+    model.validation.calibration[1] = {3, 0.3, 0.3333};
     const auto file =
         std::filesystem::temp_directory_path() / ("eti_score_" + std::to_string(::getpid()) + ".yaml");
     std::ofstream(file) << to_yaml(model);
     const ScoreModel read = load_score(file);
     std::filesystem::remove(file);
     EXPECT_EQ(to_yaml(read), to_yaml(model));
-    EXPECT_NEAR(score_of(read, twelve[5].parameters, false).grade,
-                score_of(model, twelve[5].parameters, false).grade, 1e-4);
-    EXPECT_EQ(statement_of(read).find("no human data"), std::string::npos);
-    model.people = false;
-    EXPECT_NE(statement_of(model).find("It has seen no human data"), std::string::npos);
+    EXPECT_NEAR(score_of(read, twelve[5].metrics, false).grade,
+                score_of(model, twelve[5].metrics, false).grade, 1e-4);
+    EXPECT_EQ(training_statement(read).find("no human data"), std::string::npos);
+    model.human_rated = false;
+    EXPECT_NE(training_statement(model).find("It has seen no human data"), std::string::npos);
 }
 
-TEST(AutomaticScore, TheShippedOneIsOfThisVersionAndSaysWhatItHasNotSeen) {
+TEST(AutomaticScore, ShippedScoreIsCurrentAndStatesItsLimits) {
     const ScoreModel shipped = load_score(find_data_file("scripted", "scores"));
-    EXPECT_NE(statement_of(shipped).find("It has seen no human data"), std::string::npos);
-    EXPECT_EQ(shipped.judged.all.sessions, shipped.sessions);
+    EXPECT_NE(training_statement(shipped).find("It has seen no human data"), std::string::npos);
+    EXPECT_EQ(shipped.validation.all.sessions, shipped.sessions);
 }
 
 std::vector<Example> of_many(bool told_by_patient) {
@@ -196,8 +197,7 @@ std::vector<Example> of_many(bool told_by_patient) {
     for (int person = 0; person < 20; ++person) {
         for (int patient = 0; patient < 6; ++patient) {
             const int grade = told_by_patient ? 1 + patient % grades : 1 + person % grades;
-            // What is seen of the grade through noise; or what is seen of the patient alone, whatever the
-            // grade.
+            // A noisy function of the grade; or of the patient alone, whatever the grade.
             const double seen =
                 told_by_patient ? 10.0 * patient : 6 - grade + 0.7 * static_cast<double>(random.normal());
             examples.push_back(example(std::max(0.0, seen), 20, grade));
@@ -209,29 +209,29 @@ std::vector<Example> of_many(bool told_by_patient) {
     return examples;
 }
 
-TEST(AutomaticScore, IsJudgedOnWhatItHasNotSeen) {
-    const Judgement fair = judge_score(of_many(false), 1.0);
+TEST(AutomaticScore, IsEvaluatedOnHeldOutSessions) {
+    const ValidationResult fair = cross_validate(of_many(false), 1.0);
     EXPECT_EQ(fair.all.sessions, 120u);
     EXPECT_GT(fair.all.rank, 0.85);
-    EXPECT_LT(fair.all.mean_error, 0.6 * fair.all.blind_error);
+    EXPECT_LT(fair.all.mean_error, 0.6 * fair.all.baseline_error);
     EXPECT_EQ(fair.intubated.sessions, 60u);
     EXPECT_NE(fair.intubated.mean_error, fair.all.mean_error);
-    EXPECT_GT(fair.right, fair.blind_right);
+    EXPECT_GT(fair.accuracy, fair.baseline_accuracy);
     std::size_t in_bins = 0;
     for (const CalibrationBin& bin : fair.calibration) {
         in_bins += bin.count;
     }
     EXPECT_EQ(in_bins, 120u);
-    // A grade that hangs on the patient alone cannot be known of a patient that was held out: a judgement
-    // that let it be seen would find an error near zero.
-    EXPECT_GT(judge_score(of_many(true), 1.0).all.mean_error, 0.5);
+    // A grade that depends on the patient alone cannot be predicted for a held-out patient: a validation that
+    // leaked it would find an error near zero.
+    EXPECT_GT(cross_validate(of_many(true), 1.0).all.mean_error, 0.5);
 }
 
-TEST(AutomaticScore, RefusesWhatTeachesNothing) {
+TEST(AutomaticScore, RejectsUninformativeTrainingSets) {
     EXPECT_THROW((void)fit({}, 1.0), ScoreError);
     const std::vector<Example> alike(5, example(1, 10, 3));
     EXPECT_THROW((void)fit(alike, 1.0), ScoreError);
-    EXPECT_THROW((void)judge_score(twelve, 1.0), ScoreError) << "of one patient and one person";
+    EXPECT_THROW((void)cross_validate(twelve, 1.0), ScoreError) << "of one patient and one person";
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace eti::review {
 namespace {
 
-// Two samples, and what SciPy 1.10 makes of them: bootstrap(method='BCa') with 400,000 resamples, whose ends
-// differ by 0.009 between seeds, and algorithm 16.2 of Efron & Tibshirani in NumPy with a million.
+// Two samples, and SciPy 1.10's results: bootstrap(method='BCa') with 400,000 resamples, whose ends differ by
+// 0.009 between seeds, and algorithm 16.2 of Efron & Tibshirani in NumPy with a million.
 const std::vector<double> first{3.1, 4.4, 2.2, 5.0, 3.7, 4.9, 2.8}, second{5.2, 6.9, 4.1, 9.3, 5.5};
 const std::vector<double> within{0.6, 1.2, -0.3, 2.2, 0.9, 1.4};
 constexpr Bootstrap many{200'000, 3, 0.95};
@@ -21,7 +21,7 @@ constexpr double chance_of_p = 4.0 * 0.0007;
 /// Draws of samples this small fall on a grid of about 0.01.
 constexpr double grid = 0.03;
 
-TEST(Statistics, TwoSamplesAreComparedAsBySciPy) {
+TEST(Statistics, TwoSampleComparisonMatchesSciPy) {
     const Difference found = difference_between(first, second, many);
     EXPECT_NEAR(found.value, 2.4714285714, 1e-9);
     EXPECT_NEAR(found.interval.low, 1.0014, grid);
@@ -33,7 +33,7 @@ TEST(Statistics, TwoSamplesAreComparedAsBySciPy) {
     EXPECT_NEAR(found.effect_interval.high, 2.7181957472, 1e-5);
 }
 
-TEST(Statistics, PairsAreComparedAsBySciPy) {
+TEST(Statistics, PairedComparisonMatchesSciPy) {
     const Difference found = difference_within(within, many);
     EXPECT_NEAR(found.value, 1.0, 1e-12);
     EXPECT_NEAR(found.interval.low, 0.35, grid);
@@ -44,18 +44,18 @@ TEST(Statistics, PairsAreComparedAsBySciPy) {
     EXPECT_NEAR(found.effect_interval.high, 1.8843865345, 1e-5);
 }
 
-TEST(Statistics, AChanceIsThatOfAllDrawsOfASmallSample) {
-    // Of four values there are 4^4 draws: all of them instead of some.
+TEST(Statistics, PValueMatchesExhaustiveBootstrap) {
+    // Four values have 4^4 draws: all of them are used.
     const std::vector<double> values{1.0, 2.0, 4.0, 6.0};
     const double mean = mean_of(values);
-    const double t = std::abs(mean / (deviation_of(values) / 2.0));
+    const double t = std::abs(mean / (standard_deviation(values) / 2.0));
     int as_far = 0;
     for (int draw = 0; draw < 256; ++draw) {
         std::vector<double> drawn;
         for (int i = 0, rest = draw; i < 4; ++i, rest /= 4) {
             drawn.push_back(values[static_cast<std::size_t>(rest % 4)] - mean);
         }
-        const double deviation = deviation_of(drawn);
+        const double deviation = standard_deviation(drawn);
         const double there = deviation > 1e-9 ? std::abs(mean_of(drawn) / (deviation / 2.0))
                                               : std::numeric_limits<double>::infinity();
         as_far += there >= t ? 1 : 0;
@@ -67,7 +67,7 @@ TEST(Statistics, AChanceIsThatOfAllDrawsOfASmallSample) {
                 4.0 * std::sqrt(exact * (1.0 - exact) / many.resamples) + 1.0 / many.resamples);
 }
 
-TEST(Statistics, SwappedSamplesHaveTheOppositeDifference) {
+TEST(Statistics, SwappingSamplesNegatesDifference) {
     const Difference there = difference_between(first, second, many),
                      back = difference_between(second, first, many);
     EXPECT_NEAR(there.value, -back.value, 1e-12);
@@ -76,14 +76,14 @@ TEST(Statistics, SwappedSamplesHaveTheOppositeDifference) {
     EXPECT_NEAR(there.effect_interval.low, -back.effect_interval.high, 1e-6);
 }
 
-TEST(Statistics, TheSeedAloneDecides) {
+TEST(Statistics, ResultDependsOnlyOnSeed) {
     const Bootstrap some{1000, 7, 0.95}, other{1000, 8, 0.95};
     EXPECT_EQ(difference_between(first, second, some).p, difference_between(first, second, some).p);
     EXPECT_NE(difference_between(first, second, some).interval.low,
               difference_between(first, second, other).interval.low);
 }
 
-TEST(Statistics, NothingIsMadeUpWhereNothingVaries) {
+TEST(Statistics, ConstantSamplesHaveNoPValueOrEffectSize) {
     const std::vector<double> ones(5, 1.0), twos(4, 2.0), one{1.0};
     const Difference flat = difference_between(ones, twos, many);
     EXPECT_EQ(flat.value, 1.0);
@@ -101,11 +101,11 @@ TEST(Statistics, NothingIsMadeUpWhereNothingVaries) {
     EXPECT_TRUE(std::isnan(rounded.effect));
     // Two pairs have a deviation, and no effect size: its correction begins at two degrees of freedom.
     EXPECT_TRUE(std::isnan(difference_within(std::vector<double>{1.0, 3.0}, many).effect));
-    // One side alone varies.
+    // Only one side varies.
     EXPECT_FALSE(std::isnan(difference_between(ones, second, many).p));
 }
 
-TEST(Statistics, FarApartMeansHaveAnEffectAndNoEnds) {
+TEST(Statistics, HugeEffectHasNoConfidenceInterval) {
     std::vector<double> far(second);
     for (double& value : far) {
         value += 1e4;
@@ -116,19 +116,19 @@ TEST(Statistics, FarApartMeansHaveAnEffectAndNoEnds) {
     EXPECT_NEAR(found.p, 1.0 / (many.resamples + 1), 1e-3);
 }
 
-TEST(Statistics, HolmsStepsByHand) {
+TEST(Statistics, HolmAdjustmentMatchesHandCalculation) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<double> p{0.01, nan, 0.04, 0.03, 0.005};
-    const std::vector<double> adjusted = holm(p);
+    const std::vector<double> adjusted = holm_adjusted(p);
     EXPECT_DOUBLE_EQ(adjusted[4], 0.02);
     EXPECT_DOUBLE_EQ(adjusted[0], 0.03);
     EXPECT_DOUBLE_EQ(adjusted[3], 0.06);
     EXPECT_DOUBLE_EQ(adjusted[2], 0.06);
     EXPECT_TRUE(std::isnan(adjusted[1]));
-    EXPECT_EQ(holm(std::vector<double>{0.6, 0.7})[1], 1.0);
+    EXPECT_EQ(holm_adjusted(std::vector<double>{0.6, 0.7})[1], 1.0);
 }
 
-TEST(Agreement, IsThatOfShroutAndFleiss) {
+TEST(Agreement, MatchesShroutAndFleiss) {
     // Shrout & Fleiss 1979, table 2: six targets, four judges; table 4 gives .29 and .62. Ends by
     // scipy.stats.f.
     const std::vector<std::vector<double>> scores{{9, 2, 5, 8}, {6, 1, 3, 2},  {8, 4, 6, 8},
@@ -144,7 +144,7 @@ TEST(Agreement, IsThatOfShroutAndFleiss) {
     EXPECT_NEAR(found.mean_interval.high, 0.9272320402, 1e-8);
 }
 
-TEST(Agreement, OfTwinsIsWholeAndOfOneNone) {
+TEST(Agreement, IsOneForIdenticalRatersAndNanForSingleOne) {
     const Agreement same = agreement({{1, 1}, {3, 3}, {5, 5}}, 0.95);
     EXPECT_DOUBLE_EQ(same.single, 1.0);
     EXPECT_DOUBLE_EQ(same.mean, 1.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/review/study.hpp"
+#include "client/review/study/study.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@ class StudyFile : public ::testing::Test {
         std::filesystem::temp_directory_path() / ("eti_study_file_" + std::to_string(::getpid()) + ".yaml");
 };
 
-TEST(BalancedOrders, EachConditionIsEverywhereEquallyOftenAndFollowsEachOther) {
+TEST(BalancedOrders, AreBalancedInPositionAndSuccession) {
     for (std::size_t count = 1; count <= 7; ++count) {
         const auto orders = balanced_orders(count);
         ASSERT_EQ(orders.size(), count % 2 == 0 || count == 1 ? count : 2 * count);
@@ -58,7 +58,7 @@ TEST(BalancedOrders, EachConditionIsEverywhereEquallyOftenAndFollowsEachOther) {
     }
 }
 
-TEST_F(StudyFile, ParticipantsGoThroughConditionsInTurn) {
+TEST_F(StudyFile, LatinSquareOrdersConditions) {
     const Study study = load(
         "name: s\nseed: 7\nconditions: [{scenario: term}, {name: small, scenario: premature}]\n"
         "participants: [{count: 2, operator: expert}, {}]\n");
@@ -77,7 +77,7 @@ TEST_F(StudyFile, ParticipantsGoThroughConditionsInTurn) {
     EXPECT_EQ(plan_of(listed)[2].condition->name, "term");
 }
 
-TEST_F(StudyFile, SkillGoesEvenlyFromTheFirstToTheLast) {
+TEST_F(StudyFile, SkillIsInterpolatedAcrossParticipants) {
     const Study study = load(
         "name: s\nconditions: [{scenario: term}]\n"
         "participants: [{count: 3, operator: expert, skill: 0.5, skill_to: 1, attempts: 2}, {operator: "
@@ -95,7 +95,7 @@ TEST_F(StudyFile, SkillGoesEvenlyFromTheFirstToTheLast) {
         std::string::npos);
 }
 
-TEST_F(StudyFile, AScenarioMayLieBesideTheStudy) {
+TEST_F(StudyFile, FindsScenarioBesideStudyFile) {
     const auto scenario = file.parent_path() / ("eti_beside_" + std::to_string(::getpid()) + ".yaml");
     std::ofstream(scenario) << "{}\n";
     const Study study = load("conditions: [{name: here, scenario: " + scenario.filename().string() +
@@ -104,7 +104,7 @@ TEST_F(StudyFile, AScenarioMayLieBesideTheStudy) {
     EXPECT_EQ(study.conditions[0].scenario, scenario.string());
 }
 
-TEST_F(StudyFile, MistakesAreNamed) {
+TEST_F(StudyFile, ErrorsNameFileAndWrongValue) {
     const std::string sound = "conditions: [{scenario: term}]\nparticipants: [{count: 2}]\n";
     EXPECT_EQ(refusal(sound), "");
     for (const char* wrong :
@@ -122,14 +122,14 @@ TEST_F(StudyFile, MistakesAreNamed) {
               std::string::npos);
 }
 
-TEST_F(StudyFile, ShippedStudiesAreSound) {
+TEST_F(StudyFile, ShippedStudiesAreValid) {
     for (const std::string& name : data_names("studies")) {
         EXPECT_FALSE(plan_of(load_study(find_data_file(name, "studies"))).empty()) << name;
     }
     EXPECT_GE(data_names("studies").size(), 1u);
 }
 
-TEST(Verdicts, FollowTheIntervalWhicheverWayRoundTheGroupsAre) {
+TEST(Verdicts, FollowIntervalInEitherGroupOrder) {
     Comparison comparison;
     comparison.groups = {{"a", {}}, {"b", {}}};
     const Measure& time = measures()[9];
@@ -139,17 +139,19 @@ TEST(Verdicts, FollowTheIntervalWhicheverWayRoundTheGroupsAre) {
         comparison.rows[0].contrasts[0].difference.value = difference;
         comparison.rows[0].contrasts[0].difference.interval = {low, high};
     };
-    const auto word = [&](Expectation expected) { return judge(comparison, {expected})[0].word; };
+    const auto word = [&](Expectation expected) {
+        return check_expectations(comparison, {expected})[0].finding;
+    };
     Expectation more{"time_s", "", "a", "b", true, "", no_value, no_value};
     Expectation back = more, less = more;
     std::swap(back.from, back.to);
     less.more = false;
-    using enum Verdict::Word;
+    using enum ExpectationResult::Finding;
     with(4.0, 1.0, 7.0);
     EXPECT_EQ(word(more), agrees);
     EXPECT_EQ(word(less), disagrees);
     EXPECT_EQ(word(back), disagrees);
-    EXPECT_EQ(judge(comparison, {back})[0].found, "-4.00 (-7.00 to -1.00)");
+    EXPECT_EQ(check_expectations(comparison, {back})[0].found, "-4.00 (-7.00 to -1.00)");
     with(-4.0, -7.0, -1.0);
     EXPECT_EQ(word(more), disagrees);
     EXPECT_EQ(word(less), agrees);

@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// OpenAL Soft plays into a file, as its configuration says: what a loudspeaker would get.
+// OpenAL Soft plays into a file, by its configuration: the loudspeaker signal.
 class PlayerTest : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -53,17 +53,17 @@ class PlayerTest : public ::testing::Test {
         std::filesystem::temp_directory_path() / ("eti-sound-" + std::to_string(::getpid()));
 };
 
-TEST_F(PlayerTest, PlaysBeepsOfTheSaturationsPitch) {
+TEST_F(PlayerTest, PlaysBeepsAtSaturationPitch) {
     {
         const auto player = sound::Player::open(1.0f);
         ASSERT_NE(player, nullptr);
-        player->hear({sound::Cue::Pulse{60.0, 150.0}, false, false});
+        player->set_cue({sound::Cue::Pulse{60.0, 150.0}, false, false});
         std::this_thread::sleep_for(1500ms);
     }
     const std::vector<float> samples = heard();
     ASSERT_GT(samples.size(), static_cast<std::size_t>(sound::sample_rate / 2));
-    // Rises through a hundredth, each after a fall through as much below zero: the library adds noise at the
-    // last bit. Those less than 10 ms apart belong to one beep.
+    // Upward crossings of one hundredth, each after a fall below minus that: the library adds noise at the
+    // last bit. Crossings less than 10 ms apart belong to one beep.
     bool below = false;
     std::size_t last = 0;
     double periods = 0.0, within = 0.0;
@@ -82,7 +82,7 @@ TEST_F(PlayerTest, PlaysBeepsOfTheSaturationsPitch) {
     EXPECT_NEAR(periods / within, 440.0, 1.0);
 }
 
-TEST(Player, WithoutADeviceThereIsNone) {
+TEST(Player, OpenReturnsNullWithoutDevice) {
     const auto folder =
         std::filesystem::temp_directory_path() / ("eti-no-sound-" + std::to_string(::getpid()));
     std::ofstream(folder) << "[general]\ndrivers = wave\n[wave]\nfile = /no/such/folder/out.wav\n";

@@ -16,7 +16,7 @@ using sound::sample_rate;
 
 constexpr double tau = 2.0 * std::numbers::pi;
 
-// Frequency by the time between the first and the last rise through zero.
+// Frequency from the time between the first and the last upward zero crossing.
 double frequency_of(const std::vector<float>& samples) {
     double first = -1.0, last = -1.0;
     int periods = -1;
@@ -30,7 +30,7 @@ double frequency_of(const std::vector<float>& samples) {
     return periods * sample_rate / (last - first);
 }
 
-// Energy of a sound near a frequency, as a share of a pure tone's of the same power.
+// Energy of a sound near a frequency, relative to a pure tone of the same power.
 double power_at(const std::vector<float>& samples, double hz) {
     double cosine = 0.0, sine = 0.0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -41,7 +41,7 @@ double power_at(const std::vector<float>& samples, double hz) {
     return (cosine * cosine + sine * sine) / static_cast<double>(samples.size());
 }
 
-// By which neighbouring samples differ at most: a step would be heard as a click.
+// Largest difference of neighbouring samples: a jump would be heard as a click.
 float steepest(const std::vector<float>& samples) {
     float most = 0.0f;
     for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -50,7 +50,7 @@ float steepest(const std::vector<float>& samples) {
     return most;
 }
 
-TEST(BeepPitch, FallsByTheSameShareWithEachPercent) {
+TEST(BeepPitch, FallsGeometricallyWithSaturation) {
     EXPECT_NEAR(sound::beep_pitch(100.0), 880.0, 1e-9);
     EXPECT_NEAR(sound::beep_pitch(60.0), 440.0, 1e-9) << "an octave in 40 percent";
     for (int percent = 1; percent <= 100; ++percent) {
@@ -61,10 +61,10 @@ TEST(BeepPitch, FallsByTheSameShareWithEachPercent) {
     EXPECT_EQ(sound::beep_pitch(-5.0), sound::beep_pitch(0.0));
 }
 
-TEST(Beep, HasItsPitchAndNoStep) {
+TEST(Beep, HasGivenPitchAndNoDiscontinuity) {
     for (const double hz : {311.0, 440.0, 880.0}) {
         const std::vector<float> samples = sound::beep(hz);
-        // Sound to a hundredth of the step between two percents of saturation (1.7 %).
+        // To a hundredth of the step between two percents of saturation (1.7 %).
         EXPECT_NEAR(frequency_of({samples.begin() + 500, samples.end() - 500}), hz, 1.7e-4 * hz)
             << "without ramps";
         EXPECT_EQ(samples.front(), 0.0f);
@@ -75,7 +75,7 @@ TEST(Beep, HasItsPitchAndNoStep) {
     }
 }
 
-TEST(Click, IsShortAndDiesAway) {
+TEST(Click, IsShortAndDecays) {
     const std::vector<float> samples = sound::click();
     EXPECT_LE(samples.size(), static_cast<std::size_t>(0.05 * sample_rate));
     EXPECT_EQ(samples.front(), 0.0f);
@@ -86,18 +86,18 @@ TEST(Click, IsShortAndDiesAway) {
         std::for_each(from, to, [&](float s) { most = std::max(most, std::abs(s)); });
         return most;
     };
-    // exp(-15 ms / 5 ms) of what it began with.
+    // exp(-15 ms / 5 ms) of the initial amplitude.
     EXPECT_LT(loudest(samples.begin() + half, samples.end()),
               0.06f * loudest(samples.begin(), samples.begin() + half));
     EXPECT_LE(loudest(samples.begin(), samples.end()), 1.0f);
 }
 
-TEST(Suction, GoesOnWithoutASeamAndHissesInItsBand) {
+TEST(Suction, LoopsSeamlesslyAndIsBandLimited) {
     const std::vector<float> samples = sound::suction();
     std::vector<float> around(samples.end() - 50, samples.end());
     around.insert(around.end(), samples.begin(), samples.begin() + 50);
     EXPECT_LE(steepest(around), steepest(samples) * 1.01f);
-    // Where the two halves were joined the step is one of the noise's own.
+    // Where the two halves were joined, the step is no larger than the noise's own.
     EXPECT_LE(std::abs(samples.front() - samples.back()), steepest(samples));
     double middle = 0.0, high = 0.0, low = 0.0;
     for (int i = 0; i < 40; ++i) {

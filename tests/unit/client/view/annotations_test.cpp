@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "client/view/pressed.hpp"
+#include "client/view/displaced_vertices.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti::view {
@@ -26,7 +26,7 @@ msg::ShownAnnotation point(std::uint32_t slot, std::uint32_t triangle, float u =
     return shown;
 }
 
-class AnnotationsOfAScene : public ::testing::Test {
+class SceneAnnotations : public ::testing::Test {
   protected:
     void SetUp() override { synthetic::fill(scene_, source_); }
 
@@ -34,7 +34,7 @@ class AnnotationsOfAScene : public ::testing::Test {
     SceneView scene_;
 };
 
-TEST_F(AnnotationsOfAScene, StayUntilTheirSlotIsWipedOrTakenAnew) {
+TEST_F(SceneAnnotations, StayUntilSlotIsClearedOrReused) {
     ASSERT_TRUE(scene_.apply(point(3, 5)));
     ASSERT_TRUE(scene_.apply(point(4, 6)));
     EXPECT_EQ(scene_.annotations().size(), 2u);
@@ -47,15 +47,15 @@ TEST_F(AnnotationsOfAScene, StayUntilTheirSlotIsWipedOrTakenAnew) {
     EXPECT_EQ(scene_.annotations().size(), 1u);
 }
 
-TEST_F(AnnotationsOfAScene, AreGoneWhenTheSessionBeginsAnew) {
+TEST_F(SceneAnnotations, AreClearedOnSessionRestart) {
     ASSERT_TRUE(scene_.apply(synthetic::deformation(source_, 5'000'000'000, 0.0f, 0.0f)));
     ASSERT_TRUE(scene_.apply(point(0, 5)));
     ASSERT_TRUE(scene_.apply(synthetic::deformation(source_, 1'000'000, 0.0f, 0.0f)));
     EXPECT_TRUE(scene_.annotations().empty());
 }
 
-// Of a server that nobody vouches for.
-TEST_F(AnnotationsOfAScene, ThatCannotBeRightAreRefused) {
+// From a server that nothing authenticates.
+TEST_F(SceneAnnotations, InvalidMessagesAreRejected) {
     auto beside = point(0, 1);
     beside.what().places().emplace_back(beside.what().places().front());
     auto broken = point(0, 1);
@@ -70,55 +70,56 @@ TEST_F(AnnotationsOfAScene, ThatCannotBeRightAreRefused) {
     }
     EXPECT_EQ(scene_.dropped(), before + 6);
     EXPECT_TRUE(scene_.annotations().empty());
-    // Of an object or triangle that the scene lacks nothing is drawn; the scene may still be on its way.
-    EXPECT_FALSE(where_now(scene_, "moon", {}));
-    EXPECT_FALSE(where_now(scene_, "tongue", {.triangle = 10'000'000}));
+    // Annotations on an object or triangle missing from the scene are not drawn; the scene may still be
+    // incomplete.
+    EXPECT_FALSE(current_position(scene_, "moon", {}));
+    EXPECT_FALSE(current_position(scene_, "tongue", {.triangle = 10'000'000}));
 }
 
-// Against the surface as it is skinned and pressed for the picture.
-TEST_F(AnnotationsOfAScene, GoWithTissueThatMovesAndGivesWay) {
+// Against the surface as skinned and displaced for the picture.
+TEST_F(SceneAnnotations, FollowDeformedTissue) {
     Vec3f before = Vec3f::Zero();
     for (const float lift : {0.0f, 0.004f}) {
         ASSERT_TRUE(scene_.apply(synthetic::deformation(
             source_, 2'000'000 + static_cast<std::uint64_t>(1e9f * lift), lift, 0.0f)));
         scene_.update();
         const SkinnedSurface& tongue = scene_.surfaces().at("tongue");
-        const auto vertices = pressed(scene_, tongue);
+        const auto vertices = displaced_vertices(scene_, tongue);
         for (const std::uint32_t t : {0u, 40u, 200u}) {
             const SurfacePlace place{t, 0.2f, 0.3f, 0.5e-3f};
             const auto& [a, b, c] = tongue.model().mesh.triangles.at(t);
-            const auto where = where_now(scene_, "tongue", place);
+            const auto where = current_position(scene_, "tongue", place);
             ASSERT_TRUE(where);
             EXPECT_LT(
                 (*where - point_at(place, vertices[a].position, vertices[b].position, vertices[c].position))
                     .norm(),
                 1e-6f);
         }
-        const Vec3f now = *where_now(scene_, "tongue", {200, 0.2f, 0.3f, 0.0f});
+        const Vec3f now = *current_position(scene_, "tongue", {200, 0.2f, 0.3f, 0.0f});
         EXPECT_TRUE(lift == 0.0f || (now - before).norm() > 1e-3f);
         before = now;
     }
-    const auto on_blade = where_now(scene_, laryngoscope_object, {0, 0.0f, 0.0f, 0.0f});
+    const auto on_blade = current_position(scene_, laryngoscope_object, {0, 0.0f, 0.0f, 0.0f});
     const TriangleMesh& blade = scene_.laryngoscope()->mesh;
     ASSERT_TRUE(on_blade);
     EXPECT_LT((*on_blade - *scene_.laryngoscope_pose() * blade.vertices[blade.triangles[0][0]]).norm(),
               1e-6f);
 }
 
-TEST_F(AnnotationsOfAScene, TheTraineesEyeIsHeardOf) {
-    EXPECT_FALSE(scene_.trainees_eye());
+TEST_F(SceneAnnotations, TraineeEyeIsReceived) {
+    EXPECT_FALSE(scene_.trainee_eye());
     auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
     metrics.eye_heard(true);
     metrics.eye().position().z(0.3f);
     metrics.eye().orientation().w(1.0f);
     ASSERT_TRUE(scene_.apply(metrics));
-    ASSERT_TRUE(scene_.trainees_eye());
-    EXPECT_EQ(scene_.trainees_eye()->translation, Vec3f(0.0f, 0.0f, 0.3f));
+    ASSERT_TRUE(scene_.trainee_eye());
+    EXPECT_EQ(scene_.trainee_eye()->translation, Vec3f(0.0f, 0.0f, 0.3f));
     metrics.eye().position().z(std::numeric_limits<float>::infinity());
     EXPECT_FALSE(scene_.apply(metrics));
     metrics.eye_heard(false);
     ASSERT_TRUE(scene_.apply(metrics));
-    EXPECT_FALSE(scene_.trainees_eye());
+    EXPECT_FALSE(scene_.trainee_eye());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/view/liquid_detail.hpp"
+#include "client/view/liquid/liquid_detail.hpp"
 
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ LiquidProperties that(float foaming, float stringing) {
     return liquid;
 }
 
-/// A flat block whose particles swing at random phases and directions, five times a second, by `speed` at
-/// most.
+/// A flat block whose particles oscillate with random phases and directions, five times a second, with at
+/// most `speed`.
 view::LiquidDetail churned(float speed, int states, float foaming = 1.0f) {
     constexpr float turns = 2.0f * std::numbers::pi_v<float> * 5.0f;
     view::LiquidDetail detail;
@@ -55,18 +55,18 @@ view::LiquidDetail churned(float speed, int states, float foaming = 1.0f) {
     return detail;
 }
 
-// Ihmsen et al. 2012: no air below the kinetic energy's threshold, more the faster.
-TEST(LiquidFoam, ComesOfSpeedAndAir) {
+// Ihmsen et al. 2012: no air below the threshold of kinetic energy, and more with higher speed.
+TEST(LiquidFoam, RequiresSpeedAndAir) {
     EXPECT_TRUE(churned(0.005f, 60).foam().bubbles().empty()) << "it creeps";
     const std::size_t slow = churned(0.02f, 20).foam().bubbles().size();
     const std::size_t fast = churned(0.04f, 20).foam().bubbles().size();
     EXPECT_GT(fast, 2 * slow);
     EXPECT_GT(fast, 10u);
-    EXPECT_LE(fast, view::LiquidFoam::most);
+    EXPECT_LE(fast, view::LiquidFoam::max_bubbles);
     EXPECT_TRUE(churned(0.04f, 20, 0.0f).foam().bubbles().empty()) << "what does not foam";
 }
 
-TEST(LiquidFoam, IsOfThePublishedSizeNearTheLiquidAndBursts) {
+TEST(LiquidFoam, HasPublishedSizeNearLiquidAndBursts) {
     view::LiquidDetail detail = churned(0.04f, 20);
     ASSERT_FALSE(detail.foam().bubbles().empty());
     for (const view::Bubble& bubble : detail.foam().bubbles()) {
@@ -79,7 +79,7 @@ TEST(LiquidFoam, IsOfThePublishedSizeNearTheLiquidAndBursts) {
         }
         EXPECT_LT(nearest, 3.0f * detail_spacing);
     }
-    // Nothing moves any more, and the longest-lived bubble has 9 s.
+    // Nothing moves any more, and the longest bubble lifetime is 9 s.
     const std::vector<Vec3f> rest(detail.tracks().positions().begin(), detail.tracks().positions().end());
     const std::size_t before = detail.foam().bubbles().size();
     for (std::uint64_t s = 21; s < 21 + 90 * 10; ++s) {
@@ -91,7 +91,7 @@ TEST(LiquidFoam, IsOfThePublishedSizeNearTheLiquidAndBursts) {
     EXPECT_TRUE(detail.foam().bubbles().empty());
 }
 
-TEST(LiquidFoam, IsTheSameForTheSameStates) {
+TEST(LiquidFoam, IsDeterministic) {
     const view::LiquidDetail a = churned(0.04f, 20), b = churned(0.04f, 20);
     ASSERT_EQ(a.foam().bubbles().size(), b.foam().bubbles().size());
     EXPECT_EQ(
@@ -99,7 +99,7 @@ TEST(LiquidFoam, IsTheSameForTheSameStates) {
         0);
 }
 
-/// A drop that is pulled off a pool at 30 mm/s.
+/// A drop pulled off a pool at 30 mm/s.
 view::LiquidDetail pulled(int states, float stringing = 1.0f) {
     view::LiquidDetail detail;
     detail.set_kind(that(0.0f, stringing));
@@ -111,24 +111,24 @@ view::LiquidDetail pulled(int states, float stringing = 1.0f) {
     return detail;
 }
 
-TEST(LiquidStrings, AreDrawnOutBetweenWhatPartsAndBreak) {
-    EXPECT_TRUE(pulled(2).strings().strings().empty()) << "still together";
+TEST(LiquidFilaments, StretchBetweenPartingLiquidAndBreak) {
+    EXPECT_TRUE(pulled(2).filaments().filaments().empty()) << "still together";
     const view::LiquidDetail drawn = pulled(12), longer = pulled(24);
-    ASSERT_EQ(drawn.strings().strings().size(), 1u);
-    ASSERT_EQ(longer.strings().strings().size(), 1u);
-    const view::LiquidString& s = drawn.strings().strings().front();
-    const view::LiquidString& l = longer.strings().strings().front();
-    // Volume of a cylinder; then what drains: radius falls by e in 1.6 s (Entov & Hinch's form).
+    ASSERT_EQ(drawn.filaments().filaments().size(), 1u);
+    ASSERT_EQ(longer.filaments().filaments().size(), 1u);
+    const view::LiquidFilament& s = drawn.filaments().filaments().front();
+    const view::LiquidFilament& l = longer.filaments().filaments().front();
+    // Volume of a cylinder; then drainage: the radius decays by e in 1.6 s (Entov & Hinch's form).
     EXPECT_NEAR(std::numbers::pi_v<float> * s.radius() * s.radius() * s.length(), s.volume, 1e-3f * s.volume);
     EXPECT_NEAR(l.volume / s.volume, std::exp(-2.0f * (l.age - s.age) / 1.6f), 1e-3f);
     EXPECT_LT(l.radius(), s.radius());
     EXPECT_NEAR(s.length(), 1e-3f + 0.03f * 11.0f * detail_state, 1e-4f);
     // 14 mm at 30 mm/s.
-    EXPECT_TRUE(pulled(46).strings().strings().empty());
-    EXPECT_TRUE(pulled(12, 0.0f).strings().strings().empty()) << "what is not stringy";
+    EXPECT_TRUE(pulled(46).filaments().filaments().empty());
+    EXPECT_TRUE(pulled(12, 0.0f).filaments().filaments().empty()) << "what is not stringy";
 }
 
-TEST(LiquidStrings, HangOnAToolThatLeaves) {
+TEST(LiquidFilaments, AttachToRetractingTool) {
     view::LiquidDetail detail;
     detail.set_kind(that(0.0f, 1.0f));
     const std::vector<Vec3f> pool = flat_block(Vec3f::Zero(), 5, 3);
@@ -139,25 +139,25 @@ TEST(LiquidStrings, HangOnAToolThatLeaves) {
         const Capsule tool{Vec3f(-20e-3f, y, 2e-3f), Vec3f(20e-3f, y, 2e-3f), 2e-3f};
         detail.advance(static_cast<std::uint64_t>(s + 1) * state_ns, pool, detail_spacing, {&tool, 1});
     }
-    ASSERT_FALSE(detail.strings().strings().empty());
-    EXPECT_LE(detail.strings().strings().size(), view::LiquidStrings::most);
-    for (const view::LiquidString& string : detail.strings().strings()) {
-        EXPECT_EQ(string.to.particle, view::LiquidTracks::nobody);
-        EXPECT_NEAR(string.to.place.y(), -gap, 0.3e-3f);
-        EXPECT_GE(string.length(), gap - 1e-5f);
+    ASSERT_FALSE(detail.filaments().filaments().empty());
+    EXPECT_LE(detail.filaments().filaments().size(), view::LiquidFilaments::max_filaments);
+    for (const view::LiquidFilament& filament : detail.filaments().filaments()) {
+        EXPECT_EQ(filament.to.particle, view::LiquidTracks::no_particle);
+        EXPECT_NEAR(filament.to.place.y(), -gap, 0.3e-3f);
+        EXPECT_GE(filament.length(), gap - 1e-5f);
     }
-    // A blade that is taken out of the scene takes its threads along.
+    // Removing a blade from the scene removes its filaments.
     detail.advance(13 * state_ns, pool, detail_spacing, {});
-    EXPECT_TRUE(detail.strings().strings().empty());
+    EXPECT_TRUE(detail.filaments().filaments().empty());
 }
 
-TEST(LiquidDetail, WithoutLiquidThereIsNothing) {
+TEST(LiquidDetail, IsEmptyWithoutLiquid) {
     view::LiquidDetail detail = churned(0.04f, 20);
     ASSERT_FALSE(detail.foam().bubbles().empty());
     detail.advance(21 * state_ns, {}, detail_spacing, {});
     EXPECT_TRUE(detail.foam().bubbles().empty());
     EXPECT_TRUE(detail.tracks().positions().empty());
-    // A recording that begins again has the foam of its beginning: none.
+    // A recording that restarts has its initial foam: none.
     view::LiquidDetail again = churned(0.04f, 20);
     const std::vector<Vec3f> rest(again.tracks().positions().begin(), again.tracks().positions().end());
     again.advance(state_ns, rest, detail_spacing, {});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/view/liquid_tracks.hpp"
+#include "client/view/liquid/liquid_tracks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "client/view/liquid_crowds.hpp"
+#include "client/view/liquid/neighbour_density.hpp"
 #include "common/math/random.hpp"
 
 namespace eti {
@@ -25,20 +25,20 @@ std::vector<Vec3f> cube_block(int side, float gap = tracks_spacing) {
     return points;
 }
 
-TEST(LiquidCells, FindsEverybodyNear) {
+TEST(SpatialHash, FindsAllNeighbours) {
     Random random(3);
     std::vector<Vec3f> points;
     for (int i = 0; i < 400; ++i) {
         points.emplace_back(0.02f * random.uniform() - 0.01f, 0.02f * random.uniform(),
                             0.02f * random.uniform());
     }
-    view::LiquidCells cells;
+    view::SpatialHash cells;
     cells.fill(points, 2e-3f);
     // Reference: all pairs.
     for (const Vec3f& place : points) {
         std::set<std::uint32_t> near, expected;
         std::size_t visits = 0;
-        cells.around(place, [&](std::uint32_t i) {
+        cells.visit_near(place, [&](std::uint32_t i) {
             ++visits;
             if ((points[i] - place).norm() < 2e-3f) {
                 near.insert(i);
@@ -54,23 +54,23 @@ TEST(LiquidCells, FindsEverybodyNear) {
     }
 }
 
-// A cube's lattice: six neighbours at a spacing within, three at a corner; a particle apart is alone.
-TEST(LiquidCrowds, TellDropsFromLiquid) {
+// A cube's lattice: six neighbours at one spacing inside, three at a corner; a separate particle has none.
+TEST(NeighbourDensity, DistinguishesDropsFromBulkLiquid) {
     std::vector<Vec3f> points = cube_block(3);
     points.emplace_back(4.6f * tracks_spacing, 0.0f, 0.0f);
-    view::LiquidCrowds liquid;
+    view::NeighbourDensity liquid;
     liquid.count(points, tracks_spacing);
-    // Those on a face's diagonal, at the square root of two, count 2 (1.5 - 1.414) each.
-    EXPECT_NEAR(liquid.crowds()[13], 6.0f + 12.0f * 0.1716f, 1e-3f);
-    EXPECT_NEAR(liquid.crowds()[0], 3.0f + 3.0f * 0.1716f, 1e-3f);
-    EXPECT_EQ(liquid.crowds().back(), 0.0f);
+    // Those on a face diagonal, at the square root of two, count 2 (1.5 - 1.414) each.
+    EXPECT_NEAR(liquid.densities()[13], 6.0f + 12.0f * 0.1716f, 1e-3f);
+    EXPECT_NEAR(liquid.densities()[0], 3.0f + 3.0f * 0.1716f, 1e-3f);
+    EXPECT_EQ(liquid.densities().back(), 0.0f);
     liquid.count({}, tracks_spacing);
-    EXPECT_TRUE(liquid.crowds().empty());
+    EXPECT_TRUE(liquid.densities().empty());
 }
 
-// Reference: a body that turns and falls, whose velocities are known; its particles come in another order in
-// each state, as the server's do.
-TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
+// Reference: a body that rotates and falls, with known velocities; its particles arrive in a different order
+// in each state, as the server's do.
+TEST(LiquidTracks, FollowReorderedParticles) {
     const std::vector<Vec3f> rest = cube_block(6);
     const Vec3f turn(0.0f, 0.0f, 8.0f);  // [rad/s]: 60 mm/s at the far corner
     view::LiquidTracks tracks;
@@ -96,8 +96,8 @@ TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
                 const Vec3f known = velocity + turn.cross(rotation * rest[order[k]]);
                 // Chord against tangent: v turn dt / 2 = 60 mm/s x 0.09 / 2; and the fall of a state.
                 EXPECT_LT((tracks.velocities()[k] - known).norm(), 4e-3f) << step;
-                ASSERT_NE(tracks.before()[k], view::LiquidTracks::nobody);
-                EXPECT_EQ(tracks.after()[tracks.before()[k]], k);
+                ASSERT_NE(tracks.previous_indices()[k], view::LiquidTracks::no_particle);
+                EXPECT_EQ(tracks.next_indices()[tracks.previous_indices()[k]], k);
             }
         }
         velocity += tracks_state * Vec3f(0.0f, 0.2f, 0.0f);
@@ -105,20 +105,21 @@ TEST(LiquidTracks, FollowParticlesWhoseOrderChanges) {
     }
 }
 
-TEST(LiquidTracks, WhoComesAndGoesIsNobodyElse) {
+TEST(LiquidTracks, NewParticleIsNotMatchedToRemovedOne) {
     std::vector<Vec3f> points = cube_block(4);
     view::LiquidTracks tracks;
     tracks.advance(points, tracks_spacing, 0.0f);
-    EXPECT_TRUE(std::ranges::all_of(tracks.before(), [](auto b) { return b == view::LiquidTracks::nobody; }));
+    EXPECT_TRUE(std::ranges::all_of(tracks.previous_indices(),
+                                    [](auto b) { return b == view::LiquidTracks::no_particle; }));
     const Vec3f far(0.03f, 0.0f, 0.0f);
     points.erase(points.begin() + 5);
     points.push_back(far);
     tracks.advance(points, tracks_spacing, tracks_state);
-    EXPECT_EQ(tracks.after()[5], view::LiquidTracks::nobody);
-    EXPECT_EQ(tracks.before().back(), view::LiquidTracks::nobody);
+    EXPECT_EQ(tracks.next_indices()[5], view::LiquidTracks::no_particle);
+    EXPECT_EQ(tracks.previous_indices().back(), view::LiquidTracks::no_particle);
     EXPECT_EQ(tracks.velocities().back(), Vec3f(Vec3f::Zero()));
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-        EXPECT_EQ(tracks.before()[i], i < 5 ? i : i + 1);
+        EXPECT_EQ(tracks.previous_indices()[i], i < 5 ? i : i + 1);
     }
 }
 

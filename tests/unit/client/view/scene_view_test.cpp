@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/bus/fluid_state.hpp"
+#include "common/bus/codec/fluid_state.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -19,7 +19,7 @@ class SceneViewTest : public ::testing::Test {
   protected:
     void SetUp() override { synthetic::fill(view_, scene_); }
 
-    // What an outside observer can see of the state; a refused message must not change it.
+    // The externally visible state; a rejected message must not change it.
     void expect_refused(bool accepted) {
         EXPECT_FALSE(accepted);
         EXPECT_EQ(view_.dropped(), ++dropped_);
@@ -56,7 +56,7 @@ TEST_F(SceneViewTest, SceneMayArriveInAnyOrder) {
     EXPECT_NE(view.tube(), nullptr);
 }
 
-TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
+TEST_F(SceneViewTest, FramesMoveTheirSkinnedVertices) {
     const auto tongue = [&]() -> const view::SkinnedSurface& { return view_.surfaces().at("tongue"); };
     const Vec3f rest = tongue().model().mesh.vertices.front();
     // fill() lifted the tongue by 3 mm towards anterior (-y); quaternions are exact for the identity.
@@ -75,7 +75,7 @@ TEST_F(SceneViewTest, FramesMoveTheVerticesTheyCarry) {
     EXPECT_EQ(view_.surfaces().at("spine").revision(), before) << "its frame did not move";
 }
 
-TEST_F(SceneViewTest, ARepeatedStateReshapesNothing) {
+TEST_F(SceneViewTest, RepeatedStateChangesNoRevision) {
     view_.apply(synthetic::deformation(scene_, 2'000'000, 0.004f, 0.01f));
     view_.update();
     const std::uint64_t tongue = view_.surfaces().at("tongue").revision(), tube = view_.tube()->revision();
@@ -83,28 +83,28 @@ TEST_F(SceneViewTest, ARepeatedStateReshapesNothing) {
     view_.update();
     EXPECT_EQ(view_.surfaces().at("tongue").revision(), tongue);
     EXPECT_EQ(view_.tube()->revision(), tube);
-    // A late one of another shape is still refused its place.
+    // A late message of another shape is still rejected.
     view_.apply(synthetic::deformation(scene_, 2'500'000, 0.001f, 0.02f));
     view_.update();
     EXPECT_EQ(view_.surfaces().at("tongue").revision(), tongue);
     EXPECT_EQ(view_.tube()->revision(), tube);
 }
 
-TEST_F(SceneViewTest, AnOlderChunkDoesNotUndoANewerOne) {
+TEST_F(SceneViewTest, OlderChunkDoesNotOverwriteNewerOne) {
     view_.apply(synthetic::deformation(scene_, 900'000'000, 0.005f, 0.0f));
     EXPECT_TRUE(view_.apply(synthetic::deformation(scene_, 890'000'000, 0.001f, 0.0f)));
     EXPECT_NEAR(view_.frames()[2].centre.y(), scene_.rest_centres[2].y() - 0.005f, 1e-7f);
     EXPECT_EQ(view_.simulation_time_ns(), 900'000'000u);
 }
 
-TEST_F(SceneViewTest, ASessionThatBeginsAnewIsFollowed) {
+TEST_F(SceneViewTest, FollowsSessionRestart) {
     view_.apply(synthetic::deformation(scene_, 60'000'000'000, 0.005f, 0.0f));
     view_.apply(synthetic::deformation(scene_, 10'000'000, 0.001f, 0.0f));
     EXPECT_NEAR(view_.frames()[2].centre.y(), scene_.rest_centres[2].y() - 0.001f, 1e-7f);
     EXPECT_EQ(view_.simulation_time_ns(), 10'000'000u);
 }
 
-TEST_F(SceneViewTest, DeformationBeforeTheSceneIsHarmless) {
+TEST_F(SceneViewTest, DeformationBeforeSceneIsHarmless) {
     view::SceneView view;
     EXPECT_TRUE(view.apply(synthetic::deformation(scene_, 1, 0.0f, 0.0f)));
     view.update();
@@ -114,19 +114,19 @@ TEST_F(SceneViewTest, DeformationBeforeTheSceneIsHarmless) {
 
 class LiquidView : public SceneViewTest {
   protected:
-    /// Chunk `which` of `particles` particles that all lie `height` [m] high.
+    /// Chunk `which` of `particles` particles that all lie at `height` [m].
     [[nodiscard]] static msg::FluidState chunk(std::size_t which, std::size_t particles, float height,
                                                std::uint64_t time_ns) {
         const std::vector<Vec3f> positions(particles, Vec3f(0.0f, 0.0f, height));
         msg::FluidState message;
         message.header().simulation_time_ns(time_ns);
-        bus::put_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 0.7e-3f, positions}, which,
-                             message);
+        bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), 0.7e-3f, positions}, which,
+                                message);
         return message;
     }
 };
 
-TEST_F(LiquidView, ChunksMakeOneLiquidAndALostOneLeavesItsPart) {
+TEST_F(LiquidView, LostChunkKeepsItsPreviousParticles) {
     const std::size_t all = bus::fluid_chunk_particles + 10;
     EXPECT_TRUE(view_.liquid().empty());
     ASSERT_TRUE(view_.apply(chunk(1, all, 0.01f, 4'000'000)));
@@ -134,7 +134,7 @@ TEST_F(LiquidView, ChunksMakeOneLiquidAndALostOneLeavesItsPart) {
     view_.update();
     ASSERT_EQ(view_.liquid().size(), all);
     EXPECT_FLOAT_EQ(view_.liquid_spacing(), 0.7e-3f);
-    // Of the next state only the second chunk arrives, and then one that is late.
+    // Only the second chunk of the next state arrives, and then a late one.
     ASSERT_TRUE(view_.apply(chunk(1, all, 0.02f, 5'000'000)));
     ASSERT_TRUE(view_.apply(chunk(1, all, 0.01f, 4'500'000)));
     view_.update();
@@ -142,7 +142,7 @@ TEST_F(LiquidView, ChunksMakeOneLiquidAndALostOneLeavesItsPart) {
     // Within half a 65535th of 0.2 m.
     EXPECT_NEAR(view_.liquid().front().z(), 0.01f, 1.6e-6f);
     EXPECT_NEAR(view_.liquid().back().z(), 0.02f, 1.6e-6f);
-    // Sucked away.
+    // Removed by suction.
     ASSERT_TRUE(view_.apply(chunk(0, 0, 0.0f, 6'000'000)));
     view_.update();
     EXPECT_TRUE(view_.liquid().empty());
@@ -245,7 +245,7 @@ TEST_F(SceneViewTest, HostileSceneIsDroppedAndCounted) {
     EXPECT_TRUE(view_.complete()) << "what was there stays";
 }
 
-TEST_F(SceneViewTest, FramesThatDoNotFitTheSurfacesAreNoticed) {
+TEST_F(SceneViewTest, MismatchedFrameCountIsDetected) {
     auto frames = scene_.objects.front();
     frames.vertices().resize(6);  // two frames; tongue and epiglottis need four
     EXPECT_TRUE(view_.apply(frames));
@@ -254,7 +254,7 @@ TEST_F(SceneViewTest, FramesThatDoNotFitTheSurfacesAreNoticed) {
     view_.update();
 }
 
-TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
+TEST_F(SceneViewTest, HostileToolAndSessionStateIsDropped) {
     auto proxy = synthetic::proxy(scene_, 5);
     proxy.proxy().position().x(not_a_number);
     expect_refused(view_.apply(proxy));
@@ -289,20 +289,20 @@ TEST_F(SceneViewTest, HostileStateOfToolsAndSessionIsDropped) {
     expect_refused(view_.apply(live));
 }
 
-TEST_F(SceneViewTest, KeepsHowTheNewestAttemptAndTheRunEnded) {
+TEST_F(SceneViewTest, KeepsNewestAttemptAndRunSummary) {
     EXPECT_FALSE(view_.attempt_report());
     ASSERT_TRUE(view_.apply(synthetic::summary(2, true, 30'000'000'000)));
-    // One who joins late gets all of them, in any order.
+    // A late joiner receives all of them, in any order.
     ASSERT_TRUE(view_.apply(synthetic::summary(1, false, 10'000'000'000)));
     ASSERT_TRUE(view_.apply(synthetic::summary(0, true, 31'000'000'000)));
     ASSERT_TRUE(view_.attempt_report());
     EXPECT_EQ(view_.attempt_report()->attempt, 2u);
     EXPECT_TRUE(view_.attempt_report()->outcome.success);
     EXPECT_EQ(view_.attempt_report()->outcome.reason, "the tube lies in the trachea");
-    EXPECT_EQ(view_.attempt_report()->parameters.gum_force_mean_n, 1.0);
-    EXPECT_TRUE(std::isnan(view_.attempt_report()->parameters.tube_speed_max_cm_per_s));
+    EXPECT_EQ(view_.attempt_report()->metrics.gum_force_mean_n, 1.0);
+    EXPECT_TRUE(std::isnan(view_.attempt_report()->metrics.tube_speed_max_cm_per_s));
     ASSERT_TRUE(view_.run_report());
-    // A run that begins anew has none.
+    // A restarted run has none.
     view_.apply(synthetic::deformation(scene_, 60'000'000'000, 0.0f, 0.0f));
     view_.apply(synthetic::deformation(scene_, 10'000'000, 0.0f, 0.0f));
     EXPECT_FALSE(view_.attempt_report());
@@ -319,7 +319,7 @@ TEST_F(SceneViewTest, HostileSummariesAreDropped) {
     EXPECT_FALSE(view_.attempt_report());
 }
 
-TEST_F(SceneViewTest, ASceneOfAnotherSizeReplacesTheOld) {
+TEST_F(SceneViewTest, SceneOfDifferentSizeReplacesOldOne) {
     auto frames = scene_.objects.front();
     frames.object_count(1);
     EXPECT_TRUE(view_.apply(frames));

@@ -23,8 +23,8 @@ view::RestSurface one_triangle() {
     return model;
 }
 
-// By hand: frame 0 stays; frame 1, centred at (0.02, 0, 0), turns a quarter about z and goes up by
-// 0.01. Vertex 1 lies on its centre, vertex 2 half on either frame.
+// By hand: frame 0 stays; frame 1, centred at (0.02, 0, 0), rotates by a quarter about z and rises by 0.01.
+// Vertex 1 lies on its centre, vertex 2 half on either frame.
 TEST(Skinning, MatchesPosesComputedByHand) {
     view::RestSurface model = one_triangle();
     model.highest_frame = 1;
@@ -73,8 +73,8 @@ TEST(Skinning, AgreesWithTheSharedDefinition) {
     }
 }
 
-// A strip of triangles along which the weight goes from frame to frame.
-TEST(Skinning, APartThatMovesGivesTheBitsOfTheWhole) {
+// A strip of triangles along which the weight shifts from frame to frame.
+TEST(Skinning, PartialUpdateIsBitIdenticalToFullUpdate) {
     constexpr std::uint32_t columns = 60, rows = 4, frame_count = 6;
     Random random(11);
     view::RestSurface model;
@@ -139,13 +139,13 @@ TEST(Normals, OfASphereAreRadial) {
     }
     view::recompute_normals(triangles, vertices);
     for (std::uint32_t v = sides; v < (rings - 1) * sides; ++v) {
-        // A facet spans pi / 24 = 0.13 rad; its normal tilts by at most half of that against the
-        // vertex, and the facets around average most of it away.
+        // A facet spans pi / 24 = 0.13 rad; its normal tilts by at most half of that against the vertex, and
+        // averaging over the facets around removes most of it.
         EXPECT_GT(vertices[v].normal.dot(vertices[v].position.normalized()), std::cos(0.065f));
     }
 }
 
-TEST(Normals, OfNothingAreFinite) {
+TEST(Normals, OfCollapsedTriangleAreFinite) {
     std::vector<view::LitVertex> vertices(3);
     const std::array<Triangle, 1> collapsed{{{0, 1, 2}}};
     view::recompute_normals(collapsed, vertices);

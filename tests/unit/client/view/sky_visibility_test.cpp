@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/view/sky_visibility.hpp"
+#include "client/view/sight/sky_visibility.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace eti {
 namespace {
 
-TEST(SkyVisibility, TellsTheHeadFromItsThroat) {
+TEST(SkyVisibility, IsHighOutsideAndLowInThroat) {
     const TriangleMesh body = synthetic::body_mesh();
     const std::vector<float> sky = view::sky_visibility(body);
     ASSERT_EQ(sky.size(), body.vertices.size());
@@ -18,14 +18,14 @@ TEST(SkyVisibility, TellsTheHeadFromItsThroat) {
     for (std::size_t v = 0; v < sky.size(); ++v) {
         const Vec3f& p = body.vertices[v];
         if (p.z() > 0.06f) {
-            // The crown is convex: nothing stands above it. Facets as thin as marching tetrahedra leave
-            // them tilt a vertex's normal by up to 50 deg, so that single vertices ask below the horizon.
+            // The crown is convex: nothing occludes it. Slivers from marching tetrahedra tilt a vertex's
+            // normal by up to 50 deg, so that single vertices sample below the horizon.
             EXPECT_GT(sky[v], 0.5f);
             open += sky[v];
             ++outside;
         }
         if (std::hypot(p.x(), p.y() - 0.044f) < 0.006f && p.z() < -0.05f && p.z() > -0.095f) {
-            // The windpipe, 5 cm beyond the mouth's bend.
+            // The trachea, 5 cm beyond the mouth's bend.
             EXPECT_LT(sky[v], 0.05f);
             ++throat;
         }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "synthetic_scene.hpp"
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "common/mesh/distance_grid.hpp"
 #include "common/mesh/isosurface.hpp"
 #include "common/mesh/skinning.hpp"
-#include "common/model/parameters.hpp"
+#include "common/model/attempt_metrics.hpp"
 
 namespace eti::synthetic {
 namespace {
@@ -216,7 +216,7 @@ msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, flo
                 glottis = at(scene.landmarks, Landmark::glottis);
     const Vec3f down = (at(scene.landmarks, Landmark::carina) - glottis).normalized();
     const Vec3f outside = mouth + Vec3f(-0.05f, -0.04f, 0.06f);
-    // A polyline with a rounded corner at the mouth is course enough for a tube.
+    // A polyline with a rounded corner at the mouth suffices as a tube's path.
     for (int i = 0; i <= 20; ++i) {
         const float t = static_cast<float>(i) / 20.0f;
         const Vec3f bent = (1 - t) * (1 - t) * outside +
@@ -247,7 +247,7 @@ msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns) {
 
 msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glottic_opening_percent) {
     msg::LiveMetrics live;
-    bus::put_live({}, live);
+    bus::set_runtime_parameters({}, live);
     live.header().simulation_time_ns(time_ns);
     live.attempt(1);
     live.attempt_running(true);
@@ -260,10 +260,10 @@ msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glotti
     return live;
 }
 
-Parameters parameters_of_a_manikin() {
-    Parameters parameters = starting_parameters();
-    for (const ParameterField& field : parameter_fields) {
-        if (!follows_from_tools(field)) {
+AttemptMetrics manikin_metrics() {
+    AttemptMetrics parameters = initial_metrics();
+    for (const MetricField& field : metric_fields) {
+        if (!depends_only_on_tool_poses(field)) {
             parameters.*field.value = std::numeric_limits<double>::quiet_NaN();
         }
     }
@@ -276,8 +276,8 @@ msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t t
     out.attempt(attempt);
     out.success(success);
     out.reason(success ? "the tube lies in the trachea" : "the tube lies in the oesophagus");
-    for (const ParameterField& field : parameter_fields) {
-        out.parameters().push_back(field.value == &Parameters::tube_speed_max_cm_per_s
+    for (const MetricField& field : metric_fields) {
+        out.parameters().push_back(field.value == &AttemptMetrics::tube_speed_max_cm_per_s
                                        ? std::numeric_limits<double>::quiet_NaN()
                                        : static_cast<double>(out.parameters().size()));
     }

@@ -8,15 +8,15 @@
 #include "client/view/scene_view.hpp"
 #include "common/math/transform.hpp"
 #include "common/mesh/triangle_mesh.hpp"
+#include "common/model/attempt_metrics.hpp"
 #include "common/model/landmark.hpp"
-#include "common/model/parameters.hpp"
 #include "common/model/tissue.hpp"
 #include "tests/support/session_description.hpp"
 
 namespace eti::synthetic {
 
-/// A head with mouth, throat and windpipe, tongue, epiglottis, glottic ring, spine, blade and tube out
-/// of ellipsoids and capsules: closed surfaces with known centres, small enough for a unit test.
+/// A head with mouth, throat and trachea, tongue, epiglottis, glottic ring, spine, blade and tube, made of
+/// ellipsoids and capsules: closed surfaces with known centres, small enough for a unit test.
 struct Scene {
     msg::SessionDescription description;
     std::vector<msg::SceneDescription> objects;
@@ -26,21 +26,21 @@ struct Scene {
 
 [[nodiscard]] Scene make_scene();
 
-/// Meshes by themselves.
+/// Meshes of the single objects.
 [[nodiscard]] TriangleMesh body_mesh();
 
 [[nodiscard]] msg::FrameUpdate frame_update(std::uint16_t frame, const FramePose& pose);
-/// Every frame at its rest pose but that the tongue is lifted by `lift` [m]; the tube along
-/// mouth, glottis and windpipe, `depth` [m] past the glottis.
+/// Every frame at its rest pose, except that the tongue is lifted by `lift` [m]; the tube along mouth,
+/// glottis and trachea, `depth` [m] past the glottis.
 [[nodiscard]] msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, float lift,
                                                 float depth);
 /// Blade from the mouth to the vallecula.
 [[nodiscard]] msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns);
 [[nodiscard]] msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns,
                                        float glottic_opening_percent);
-/// As they start, but for what a manikin does not tell.
-[[nodiscard]] Parameters parameters_of_a_manikin();
-/// Every parameter is its place in the table, but the tube's speed is NaN: it never entered.
+/// Initial values, except those that a manikin cannot measure.
+[[nodiscard]] AttemptMetrics manikin_metrics();
+/// Every metric is its index in the table, except the tube's speed, which is NaN: it never entered.
 [[nodiscard]] msg::AttemptSummary summary(std::uint32_t attempt, bool success, std::uint64_t time_ns);
 [[nodiscard]] msg::SessionStatus status(msg::SessionPhase phase);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/view/trainee_eye.hpp"
+#include "client/view/sight/trainee_eye.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ Vec3f gaze(const TraineeEye& eye) {
     return eye.pose(points).rotation * -Vec3f::UnitZ();
 }
 
-TEST(TraineeEye, StandsWhereTheGlottisIsBestSeenAndLooksAtIt) {
+TEST(TraineeEye, DefaultsToBestViewOfGlottis) {
     const TraineeEye eye;
     EXPECT_EQ(eye.position(points), best_eye(points));
     EXPECT_EQ(eye.pose(points).translation, best_eye(points));
@@ -25,7 +25,7 @@ TEST(TraineeEye, StandsWhereTheGlottisIsBestSeenAndLooksAtIt) {
     EXPECT_LT((eye.pose(points).rotation * Vec3f::UnitY()).y(), 0.0f);
 }
 
-TEST(TraineeEye, AnOffsetIsOfThePatientAndTheGazeStaysOnTheGlottis) {
+TEST(TraineeEye, OffsetIsInPatientFrameAndKeepsGaze) {
     const Vec3f offset(0.01f, -0.02f, 0.03f);
     const TraineeEye eye(offset);
     EXPECT_LT((eye.position(points) - best_eye(points) - offset).norm(), 1e-6f);
@@ -46,21 +46,21 @@ TEST(TraineeEye, MovesAlongItsOwnAxes) {
     }
 }
 
-TEST(TraineeEye, GoesNoFurtherThanItsReachAndNotIntoTheMouth) {
+TEST(TraineeEye, IsLimitedToReachAndOutsideMouth) {
     EXPECT_EQ(TraineeEye(Vec3f(1.0f, -1.0f, 0.0f)).offset(),
-              Vec3f(TraineeEye::farthest, -TraineeEye::farthest, 0.0f));
+              Vec3f(TraineeEye::max_offset, -TraineeEye::max_offset, 0.0f));
     TraineeEye eye;
     for (int i = 0; i < 100; ++i) {
         eye.move({0.0f, 0.0f, -0.01f}, points);
     }
-    EXPECT_GE((eye.position(points) - at(points, Landmark::glottis)).norm(), TraineeEye::nearest);
+    EXPECT_GE((eye.position(points) - at(points, Landmark::glottis)).norm(), TraineeEye::min_distance);
     // And back out again.
     const Vec3f near = eye.position(points);
     eye.move({0.0f, 0.0f, 0.01f}, points);
     EXPECT_GT((eye.position(points) - near).norm(), 0.009f);
 }
 
-TEST(TraineeEye, TurnsItsGazeRightAndUpAndStaysWhereItIs) {
+TEST(TraineeEye, TurnsGazeInPlace) {
     TraineeEye eye;
     const RigidTransform straight = eye.pose(points);
     eye.turn(0.1f, 0.0f);
@@ -74,19 +74,21 @@ TEST(TraineeEye, TurnsItsGazeRightAndUpAndStaysWhereItIs) {
     EXPECT_LT((straight.inverse().rotation * gaze(eye)).z(), 0.0f) << "still towards the patient";
 }
 
-TEST(TraineeEye, WornItIsWhereTheHeadHoldsIt) {
+TEST(TraineeEye, WornEyeFollowsHeadPose) {
     const RigidTransform held = RigidTransform::about({0.1f, -0.3f, 0.2f}, Vec3f::UnitX(), 0.3f);
-    TraineeEye eye = TraineeEye::worn(held);
+    TraineeEye eye = TraineeEye::from_headset(held);
     eye.move({0.01f, 0.01f, 0.01f}, points);
     eye.turn(0.1f, 0.1f);
     EXPECT_EQ(eye.position(points), held.translation);
     EXPECT_EQ(eye.pose(points).translation, held.translation);
     EXPECT_EQ(eye.pose(points).rotation.coeffs(), held.rotation.coeffs());
-    EXPECT_EQ(eye.position(unseen_landmarks()), held.translation) << "whatever the patient does";
+    EXPECT_EQ(eye.position(zero_landmarks()), held.translation) << "whatever the patient does";
 }
 
-TEST(TraineeEye, IsFiniteWhileLandmarksAreMissing) {
-    EXPECT_TRUE(is_rigid(TraineeEye().pose(unseen_landmarks())));
+TEST(TraineeEye, IsAtOriginWhileLandmarksAreMissing) {
+    const RigidTransform pose = TraineeEye().pose(zero_landmarks());
+    EXPECT_TRUE(is_rigid(pose));
+    EXPECT_LT(pose.translation.norm(), 1e-6f);
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "common/mesh/check.hpp"
-#include "common/model/tube_end.hpp"
+#include "common/model/tools/tube_end.hpp"
 
 namespace eti {
 namespace {
 
-// A tube that curves towards anterior (-y) while it leads down (-z), as one lies in a patient.
+// A tube that curves towards anterior (-y) on its way down (-z), as in a patient.
 std::vector<Vec3f> quarter_arc(float radius, int count) {
     std::vector<Vec3f> nodes;
     for (int i = 0; i < count; ++i) {
@@ -32,7 +32,7 @@ TriangleMesh mesh_of(const view::TubeSweep& sweep) {
     return mesh;
 }
 
-TEST(TubeSweep, IsAClosedManifoldOfOneHandle) {
+TEST(TubeSweep, IsClosedManifoldOfGenusOne) {
     view::TubeSweep sweep({});
     ASSERT_TRUE(sweep.update(quarter_arc(0.16f, 24)));
     const MeshReport report = check(mesh_of(sweep));
@@ -45,7 +45,7 @@ TEST(TubeSweep, IsAClosedManifoldOfOneHandle) {
     EXPECT_GT(report.volume, 0.0) << "oriented outwards";
 }
 
-TEST(TubeSweep, StraightTubeHasItsRadiiAndLength) {
+TEST(TubeSweep, StraightTubeHasGivenRadiiAndLength) {
     const Tube model;
     view::TubeSweep sweep(model);
     ASSERT_TRUE(sweep.update(std::vector<Vec3f>{{0, 0, 0}, {0, 0, -0.08f}, {0, 0, -0.16f}}));
@@ -64,8 +64,8 @@ TEST(TubeSweep, StraightTubeHasItsRadiiAndLength) {
     EXPECT_NEAR(longest, 0.16f, 1e-5f);
 }
 
-// Reference: the end that rays of sight meet.
-TEST(TubeSweep, EndsAtTheBevelThatHidesFromTheServer) {
+// Reference: the tube end used for sight rays.
+TEST(TubeSweep, EndMatchesServerBevel) {
     const Tube model;
     view::TubeSweep sweep(model);
     const std::vector<Vec3f> nodes = quarter_arc(0.08f, 24);
@@ -75,14 +75,14 @@ TEST(TubeSweep, EndsAtTheBevelThatHidesFromTheServer) {
     const auto past_the_plane = [&](const Vec3f& p) {  // [m]
         return ((p - end->tip).dot(end->bevel) - end->beyond) / end->bevel.norm();
     };
-    // The last ring of the outer wall; the end is taken as straight where it bends by 0.06 mm.
+    // The last ring of the outer wall; the end is treated as straight where it bends by 0.06 mm.
     constexpr std::size_t last = std::size_t{view::TubeSweep::rings - 1} * view::TubeSweep::sides;
     for (std::size_t i = last; i < last + view::TubeSweep::sides; ++i) {
         EXPECT_NEAR(past_the_plane(sweep.vertices()[i].position), 0.0f, 0.15e-3f);
     }
 }
 
-TEST(TubeSweep, BevelFacesThePatientsLeftWhenTheConcaveSideIsAnterior) {
+TEST(TubeSweep, BevelFacesLeftIfConcaveSideIsAnterior) {
     const Tube model;
     view::TubeSweep sweep(model);
     // Leads down (-z) and bends to anterior (-y), so its left is the patient's left (+x).
@@ -108,7 +108,7 @@ TEST(TubeSweep, BevelFacesThePatientsLeftWhenTheConcaveSideIsAnterior) {
     EXPECT_NEAR(first_left->around, 0.25f, 0.04f);
 }
 
-TEST(TubeSweep, RefusesACourseWithoutLength) {
+TEST(TubeSweep, RejectsZeroLengthPath) {
     view::TubeSweep sweep({});
     EXPECT_FALSE(sweep.update({}));
     EXPECT_FALSE(sweep.update(std::vector<Vec3f>{{0, 0, 0}}));
@@ -116,7 +116,7 @@ TEST(TubeSweep, RefusesACourseWithoutLength) {
     EXPECT_EQ(sweep.revision(), 0u);
 }
 
-TEST(TubeSweep, StaysFiniteOnACourseThatDoublesBack) {
+TEST(TubeSweep, StaysFiniteOnPathThatDoublesBack) {
     view::TubeSweep sweep({});
     ASSERT_TRUE(
         sweep.update(std::vector<Vec3f>{{0, 0, 0}, {0, 0, 0.05f}, {0, 0, 0}, {0, 0, 0.05f}, {0, 0, 0.05f}}));

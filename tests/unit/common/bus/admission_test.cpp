@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/admission.hpp"
+#include "common/bus/guard/admission.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,116 +20,117 @@ WriterId writer_of(const ParticipantId& participant, std::uint8_t number) {
     return {participant, {0, 0, number, 3}};
 }
 
-class AnAdmission : public testing::Test {
+class AdmissionTest : public testing::Test {
   protected:
-    AnAdmission() {
-        admission_.found(a, "'eti-server' host:1", true);
-        admission_.found(writer_of(a, 1), topics::session_status.name);
-        admission_.found(writer_of(a, 2), topics::proxy.name);
+    AdmissionTest() {
+        admission_.on_discovered(a, "'eti-server' host:1", true);
+        admission_.on_discovered(writer_of(a, 1), topics::session_status.name);
+        admission_.on_discovered(writer_of(a, 2), topics::proxy.name);
     }
     Admission admission_{false};
 };
 
-TEST_F(AnAdmission, FollowsTheServerFoundFirst) {
+TEST_F(AdmissionTest, FirstDiscoveredServerIsOwner) {
     EXPECT_EQ(admission_.owner(), a);
-    EXPECT_FALSE(admission_.refuses(writer_of(a, 1)));
-    EXPECT_FALSE(admission_.refuses(writer_of(a, 2)));
+    EXPECT_FALSE(admission_.rejects(writer_of(a, 1)));
+    EXPECT_FALSE(admission_.rejects(writer_of(a, 2)));
     EXPECT_FALSE(admission_.contested());
 }
 
-TEST_F(AnAdmission, TakesWhatIsTheServersFromNobodyElse) {
-    admission_.found(stranger, "", false);
-    admission_.found(writer_of(stranger, 7), topics::proxy.name);
-    admission_.found(writer_of(stranger, 8), topics::command.name);
-    EXPECT_TRUE(admission_.refuses(writer_of(stranger, 7)));
-    EXPECT_FALSE(admission_.refuses(writer_of(stranger, 8))) << "commands are anybody's";
+TEST_F(AdmissionTest, ServerTopicsAreRefusedFromOthers) {
+    admission_.on_discovered(stranger, "", false);
+    admission_.on_discovered(writer_of(stranger, 7), topics::proxy.name);
+    admission_.on_discovered(writer_of(stranger, 8), topics::command.name);
+    EXPECT_TRUE(admission_.rejects(writer_of(stranger, 7)));
+    EXPECT_FALSE(admission_.rejects(writer_of(stranger, 8))) << "commands are anybody's";
     EXPECT_FALSE(admission_.contested()) << "nobody's status is doubted";
-    EXPECT_THAT(admission_.news(), Contains(HasSubstr("eti/proxy")));
-    EXPECT_TRUE(admission_.news().empty()) << "once";
+    EXPECT_THAT(admission_.take_log_lines(), Contains(HasSubstr("eti/proxy")));
+    EXPECT_TRUE(admission_.take_log_lines().empty()) << "once";
 }
 
-TEST_F(AnAdmission, ASecondStatusMakesTheSessionContestedUntilItIsGone) {
-    admission_.found(writer_of(stranger, 7), topics::session_status.name);
+TEST_F(AdmissionTest, SecondStatusWriterContestsTheSession) {
+    admission_.on_discovered(writer_of(stranger, 7), topics::session_status.name);
     EXPECT_TRUE(admission_.contested());
-    EXPECT_TRUE(admission_.refuses(writer_of(stranger, 7)));
+    EXPECT_TRUE(admission_.rejects(writer_of(stranger, 7)));
     EXPECT_EQ(admission_.owner(), a);
-    EXPECT_THAT(admission_.news(), Contains(HasSubstr("forces are off")));
-    admission_.gone(stranger);
+    EXPECT_THAT(admission_.take_log_lines(), Contains(HasSubstr("forces are off")));
+    admission_.on_removed(stranger);
     EXPECT_FALSE(admission_.contested());
-    EXPECT_THAT(admission_.news(), Contains(HasSubstr("one server again")));
+    EXPECT_THAT(admission_.take_log_lines(), Contains(HasSubstr("one server again")));
 }
 
-TEST_F(AnAdmission, AServerThatComesBackAfterAKillIsFollowedAtOnce) {
-    admission_.heard(writer_of(a, 1), true);
-    admission_.found(b, "'eti-server' host:2", true);
-    admission_.found(writer_of(b, 1), topics::session_status.name);
+TEST_F(AdmissionTest, RestartedServerTakesOverAfterKill) {
+    admission_.on_liveliness_changed(writer_of(a, 1), true);
+    admission_.on_discovered(b, "'eti-server' host:2", true);
+    admission_.on_discovered(writer_of(b, 1), topics::session_status.name);
     EXPECT_EQ(admission_.owner(), a);
     EXPECT_TRUE(admission_.contested());
-    admission_.heard(writer_of(a, 1), false);
+    admission_.on_liveliness_changed(writer_of(a, 1), false);
     EXPECT_EQ(admission_.owner(), b);
     EXPECT_FALSE(admission_.contested()) << "a killed server contests nothing";
-    EXPECT_FALSE(admission_.refuses(writer_of(b, 1)));
-    EXPECT_TRUE(admission_.refuses(writer_of(a, 2)));
+    EXPECT_FALSE(admission_.rejects(writer_of(b, 1)));
+    EXPECT_TRUE(admission_.rejects(writer_of(a, 2)));
 }
 
-TEST_F(AnAdmission, AServerThatOnlyPausesStaysTheOwner) {
-    admission_.heard(writer_of(a, 1), true);
-    admission_.heard(writer_of(a, 1), false);
+TEST_F(AdmissionTest, PausedServerStaysOwner) {
+    admission_.on_liveliness_changed(writer_of(a, 1), true);
+    admission_.on_liveliness_changed(writer_of(a, 1), false);
     EXPECT_EQ(admission_.owner(), a);
-    EXPECT_FALSE(admission_.refuses(writer_of(a, 2)));
+    EXPECT_FALSE(admission_.rejects(writer_of(a, 2)));
 }
 
-TEST(Admission, BeforeAServerIsThereNobodyElseIsHeard) {
+TEST(Admission, WithoutServerOtherWritersAreRefused) {
     Admission admission(false);
-    admission.found(writer_of(stranger, 7), topics::scene.name);
-    EXPECT_TRUE(admission.refuses(writer_of(stranger, 7)));
+    admission.on_discovered(writer_of(stranger, 7), topics::scene.name);
+    EXPECT_TRUE(admission.rejects(writer_of(stranger, 7)));
     EXPECT_FALSE(admission.contested()) << "there is nothing to contest";
-    admission.found(a, "'eti-server' host:1", true);
-    admission.found(writer_of(a, 1), topics::scene.name);
-    EXPECT_FALSE(admission.refuses(writer_of(a, 1)));
-    EXPECT_TRUE(admission.refuses(writer_of(stranger, 7)));
+    admission.on_discovered(a, "'eti-server' host:1", true);
+    admission.on_discovered(writer_of(a, 1), topics::scene.name);
+    EXPECT_FALSE(admission.rejects(writer_of(a, 1)));
+    EXPECT_TRUE(admission.rejects(writer_of(stranger, 7)));
 }
 
-TEST(Admission, AServerFollowsOneWriterOfEachPose) {
+TEST(Admission, ServerAcceptsOneWriterPerPose) {
     Admission server(true);
-    server.found(writer_of(a, 1), topics::laryngoscope_pose.name);
-    server.found(writer_of(b, 1), topics::laryngoscope_pose.name);
-    server.found(writer_of(b, 2), topics::tube_pose.name);
-    EXPECT_FALSE(server.refuses(writer_of(a, 1)));
-    EXPECT_TRUE(server.refuses(writer_of(b, 1)));
-    EXPECT_FALSE(server.refuses(writer_of(b, 2)));
-    server.let_go(topics::laryngoscope_pose.name);
-    EXPECT_TRUE(server.refuses(writer_of(a, 1)));
-    EXPECT_FALSE(server.refuses(writer_of(b, 1)));
-    server.gone(writer_of(b, 1));
-    EXPECT_FALSE(server.refuses(writer_of(a, 1)));
+    server.on_discovered(writer_of(a, 1), topics::laryngoscope_pose.name);
+    server.on_discovered(writer_of(b, 1), topics::laryngoscope_pose.name);
+    server.on_discovered(writer_of(b, 2), topics::tube_pose.name);
+    EXPECT_FALSE(server.rejects(writer_of(a, 1)));
+    EXPECT_TRUE(server.rejects(writer_of(b, 1)));
+    EXPECT_FALSE(server.rejects(writer_of(b, 2)));
+    server.release_ownership(topics::laryngoscope_pose.name);
+    EXPECT_TRUE(server.rejects(writer_of(a, 1)));
+    EXPECT_FALSE(server.rejects(writer_of(b, 1)));
+    server.on_removed(writer_of(b, 1));
+    EXPECT_FALSE(server.rejects(writer_of(a, 1)));
 }
 
-TEST(Admission, OneThatWasLetGoWaitsForNobodyAndYieldsToWhoeverComes) {
+TEST(Admission, ReleasedTopicAcceptsNextWriterImmediately) {
     Admission server(true);
-    server.found(writer_of(a, 1), topics::tube_pose.name);
-    server.let_go(topics::tube_pose.name);
-    EXPECT_FALSE(server.refuses(writer_of(a, 1))) << "it may come back";
-    server.found(writer_of(b, 1), topics::tube_pose.name);
-    EXPECT_FALSE(server.refuses(writer_of(b, 1)));
-    EXPECT_TRUE(server.refuses(writer_of(a, 1)));
+    server.on_discovered(writer_of(a, 1), topics::tube_pose.name);
+    server.release_ownership(topics::tube_pose.name);
+    EXPECT_FALSE(server.rejects(writer_of(a, 1))) << "it may come back";
+    server.on_discovered(writer_of(b, 1), topics::tube_pose.name);
+    EXPECT_FALSE(server.rejects(writer_of(b, 1)));
+    EXPECT_TRUE(server.rejects(writer_of(a, 1)));
 }
 
-TEST(Admission, WhatIsFoundBeyondItsBoundsIsRefused) {
+TEST(Admission, WritersBeyondTheCapacityAreRefused) {
     Admission admission(false);
     for (std::uint32_t i = 0; i < 10'000; ++i) {
-        admission.found(WriterId{{3}, {std::uint8_t(i), std::uint8_t(i >> 8), 1, 3}}, topics::proxy.name);
+        admission.on_discovered(WriterId{{3}, {std::uint8_t(i), std::uint8_t(i >> 8), 1, 3}},
+                                topics::proxy.name);
     }
-    EXPECT_TRUE(admission.refuses(WriterId{{3}, {0, 0, 1, 3}}));
+    EXPECT_TRUE(admission.rejects(WriterId{{3}, {0, 0, 1, 3}}));
     const WriterId last{{3}, {std::uint8_t(9'999 & 0xff), std::uint8_t(9'999 >> 8), 1, 3}};
-    EXPECT_TRUE(admission.refuses(last));
-    admission.found(a, "'eti-server' host:1", true);
-    admission.found(writer_of(a, 1), topics::proxy.name);
-    EXPECT_TRUE(admission.refuses(last)) << "what is found later lets none of them in";
-    EXPECT_FALSE(admission.refuses(writer_of(a, 1))) << "there is room for others";
+    EXPECT_TRUE(admission.rejects(last));
+    admission.on_discovered(a, "'eti-server' host:1", true);
+    admission.on_discovered(writer_of(a, 1), topics::proxy.name);
+    EXPECT_TRUE(admission.rejects(last)) << "what is found later lets none of them in";
+    EXPECT_FALSE(admission.rejects(writer_of(a, 1))) << "there is room for others";
 }
 
-TEST(AdmissionOnTheBus, AStrangersSceneDoesNotTakeTheServersPlace) {
+TEST(AdmissionOverBus, ForeignSceneDoesNotReplaceTheServers) {
     Node stranger_node(options("stranger"));
     Publisher<msg::SceneDescription> forged(stranger_node, topics::scene);
     auto object = example<msg::SceneDescription>();
@@ -156,7 +157,7 @@ TEST(AdmissionOnTheBus, AStrangersSceneDoesNotTakeTheServersPlace) {
     EXPECT_FALSE(scene.take(received)) << "the forged ones come after nothing";
 }
 
-TEST(AdmissionOnTheBus, ASecondStatusIsSeenAndNotHeard) {
+TEST(AdmissionOverBus, SecondStatusIsDetectedButNotDelivered) {
     Node server(options("eti-server")), client(options("eti-client"));
     Publisher<msg::SessionStatus> status(server, topics::session_status);
     Subscriber<msg::SessionStatus> heard(client, topics::session_status);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace eti::bus {
 namespace {
 
-TEST(Convert, PoseKeepsItsBits) {
+TEST(Convert, PoseSurvivesRoundTrip) {
     const RigidTransform pose{quaternion_from({0.3f, -0.2f, 0.9f}), {0.01f, -0.02f, 0.3f}};
     const RigidTransform back = from_msg(to_msg(pose));
     EXPECT_EQ(back.translation, pose.translation);
@@ -20,7 +20,7 @@ TEST(Convert, PoseKeepsItsBits) {
     EXPECT_TRUE(is_valid(to_msg(pose)));
 }
 
-TEST(Convert, NoRotationFromNonsense) {
+TEST(Convert, InvalidQuaternionBecomesIdentity) {
     const float bad = std::numeric_limits<float>::quiet_NaN();
     const float infinite = std::numeric_limits<float>::infinity();
     for (const Quatf& q : {Quatf(0, 0, 0, 0), Quatf(bad, 0, 0, 1), Quatf(infinite, 0, 0, 1)}) {
@@ -32,7 +32,7 @@ TEST(Convert, NoRotationFromNonsense) {
     EXPECT_TRUE(from_msg(to_msg(Quatf(0, 2, 0, 0))).isApprox(Quatf(0, 1, 0, 0)));
 }
 
-TEST(Convert, HeaderBearsTheSystemClock) {
+TEST(Convert, HeaderCarriesSystemClockTime) {
     const auto before = std::chrono::system_clock::now().time_since_epoch();
     const msg::Header header = make_header(5, 6);
     const auto after = std::chrono::system_clock::now().time_since_epoch();

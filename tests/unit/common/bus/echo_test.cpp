@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "tests/unit/common/bus/bus_fixture.hpp"
 
 namespace eti::bus {
@@ -12,7 +12,7 @@ namespace {
 
 TEST(Echo, EveryNodeAnswersWithItsName) {
     Node one(options("eti-server")), two(options("eti-client"));
-    EchoAsker asker(two);
+    EchoRequester asker(two);
     ASSERT_TRUE(eventually([&] {
         (void)asker.ask();
         asker.poll();
@@ -21,21 +21,21 @@ TEST(Echo, EveryNodeAnswersWithItsName) {
     const PeerEcho& peer = asker.peers().begin()->second;
     EXPECT_EQ(peer.process, process_name());
     EXPECT_GE(peer.answers, 1u);
-    EXPECT_GT(peer.least_round_trip_ms, 0.0);
-    EXPECT_LT(peer.least_round_trip_ms, 1000.0);
-    // The same clock: half a round trip is the most that the offset can be wrong by.
-    EXPECT_LE(std::abs(peer.clock_offset_ms), 0.5 * peer.least_round_trip_ms + 1e-3);
+    EXPECT_GT(peer.min_round_trip_ms, 0.0);
+    EXPECT_LT(peer.min_round_trip_ms, 1000.0);
+    // The same clock: the offset's error is at most half a round trip.
+    EXPECT_LE(std::abs(peer.clock_offset_ms), 0.5 * peer.min_round_trip_ms + 1e-3);
 }
 
-TEST(Echo, AnAnswerThatIsLookedAtLateTookNoLonger) {
+TEST(Echo, LatePollingDoesNotExtendRoundTrip) {
     Node one(options("eti-server")), two(options("eti-client"));
-    EchoAsker asker(two);
+    EchoRequester asker(two);
     ASSERT_TRUE(eventually([&] {
         (void)asker.ask();
         asker.poll();
         return !asker.peers().empty();
     }));
-    // Some of several: one alone a busy machine may hold up.
+    // The minimum of several: a busy machine may delay a single one.
     double least = 1e9;
     for (int i = 0; i < 20 && least >= 500.0; ++i) {
         (void)asker.ask();
@@ -46,8 +46,8 @@ TEST(Echo, AnAnswerThatIsLookedAtLateTookNoLonger) {
     EXPECT_LT(least, 500.0) << "half of the time for which nobody looked";
 }
 
-/// A question that came to a peer which answers it by hand.
-class AnEchoOfAnother : public testing::Test {
+/// A request to a peer that the test answers by hand.
+class ForeignEcho : public testing::Test {
   protected:
     void SetUp() override {
         ASSERT_TRUE(eventually([&] {
@@ -57,14 +57,14 @@ class AnEchoOfAnother : public testing::Test {
     }
 
     Node node{options("eti-client")}, peer{options("other")};
-    EchoAsker asker{node};
+    EchoRequester asker{node};
     Subscriber<msg::Echo> questions{peer, topics::echo_question};
     Publisher<msg::Echo> answers{peer, topics::echo_answer};
     msg::Echo question;
 };
 
 // RFC 5905, section 8: offset ((T2 - T1) + (T3 - T4)) / 2, delay (T4 - T1) - (T3 - T2).
-TEST_F(AnEchoOfAnother, TellsHowItsClockLies) {
+TEST_F(ForeignEcho, YieldsTheClockOffset) {
     constexpr std::uint64_t ahead = 5'000'000'000;
     msg::Echo answer = question;
     answer.answerer("far:1");
@@ -76,11 +76,11 @@ TEST_F(AnEchoOfAnother, TellsHowItsClockLies) {
         return asker.peers().contains("far:1");
     }));
     const PeerEcho& told = asker.peers().at("far:1");
-    EXPECT_GT(told.clock_offset_ms, 5000.0 - told.least_round_trip_ms);
+    EXPECT_GT(told.clock_offset_ms, 5000.0 - told.min_round_trip_ms);
     EXPECT_LT(told.clock_offset_ms, 5000.0 + 2.0);
 }
 
-TEST_F(AnEchoOfAnother, ToOthersOrFromTheFutureDoesNotCount) {
+TEST_F(ForeignEcho, WithWrongNonceOrFutureTimeIsIgnored) {
     msg::Echo forged = question;
     forged.answerer("forged:1");
     forged.heard_ns(1);
@@ -94,7 +94,7 @@ TEST_F(AnEchoOfAnother, ToOthersOrFromTheFutureDoesNotCount) {
     EXPECT_FALSE(asker.peers().contains("forged:1"));
 }
 
-TEST(Echo, AFloodOfQuestionsIsNotAnswered) {
+TEST(Echo, AnswersAreRateLimited) {
     Node node(options("eti-server")), asking(options("other"));
     Publisher<msg::Echo> questions(asking, topics::echo_question);
     Subscriber<msg::Echo> answers(asking, topics::echo_answer);

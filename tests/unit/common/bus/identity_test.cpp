@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// Identities that deploy/security/make_lab.py made, whole and broken in one way each.
-#include "common/bus/identity.hpp"
+// Identities made by deploy/security/make_lab.py, complete and broken in one way each.
+#include "common/bus/security/identity.hpp"
 
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/bus/permit.hpp"
+#include "common/bus/security/permit.hpp"
 #include "tests/support/bus_domain.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -35,7 +35,7 @@ void write(const fs::path& file, const std::string& text) {
     std::ofstream(file, std::ios::trunc) << text;
 }
 
-/// Two labs, made once.
+/// Two labs, built once.
 class IdentityTest : public testing::Test {
   protected:
     static void SetUpTestSuite() {
@@ -66,7 +66,7 @@ class IdentityTest : public testing::Test {
         (void)std::system(command.c_str());
     }
 
-    /// The folder to break is now a copy of this identity of the first lab.
+    /// Makes the folder to break a copy of this identity of the first lab.
     void take(const std::string& name) {
         fs::remove_all(folder_);
         fs::copy(labs_ / "lab" / name, folder_);
@@ -80,7 +80,7 @@ class IdentityTest : public testing::Test {
     fs::path folder_;
 };
 
-TEST_F(IdentityTest, WholeOneHasNoFault) {
+TEST_F(IdentityTest, CompleteIdentityHasNoFault) {
     const IdentityCheck found = check();
     EXPECT_THAT(found.faults, testing::IsEmpty());
     EXPECT_THAT(found.warnings, testing::IsEmpty());
@@ -106,7 +106,7 @@ TEST_F(IdentityTest, EachMissingFileIsNamed) {
     }
 }
 
-TEST_F(IdentityTest, EachFileOfGarbageIsNamed) {
+TEST_F(IdentityTest, EachGarbageFileIsNamed) {
     for (const char* name : {"identity_ca.pem", "permissions_ca.pem", "certificate.pem", "key.pem",
                              "governance.p7s", "permissions.p7s"}) {
         take("observer");
@@ -116,7 +116,7 @@ TEST_F(IdentityTest, EachFileOfGarbageIsNamed) {
     }
 }
 
-TEST_F(IdentityTest, FileWithoutRightToReadIsNamed) {
+TEST_F(IdentityTest, UnreadableFileIsNamed) {
     if (::geteuid() == 0) {
         GTEST_SKIP() << "root may read every file";
     }
@@ -124,7 +124,7 @@ TEST_F(IdentityTest, FileWithoutRightToReadIsNamed) {
     EXPECT_THAT(check().faults, ElementsAre(AllOf(HasSubstr("/key.pem"), HasSubstr("Permission denied"))));
 }
 
-TEST_F(IdentityTest, ExpiredOneNamesItsDate) {
+TEST_F(IdentityTest, ExpiredCertificateNamesItsDate) {
     take("old");
     EXPECT_THAT(check().faults, testing::Contains(AllOf(HasSubstr("/certificate.pem"),
                                                         HasSubstr("expired on 2020-01-31 00:00"))));
@@ -132,14 +132,14 @@ TEST_F(IdentityTest, ExpiredOneNamesItsDate) {
                 testing::Contains(AllOf(HasSubstr("/permissions.p7s"), HasSubstr("expired"))));
 }
 
-TEST_F(IdentityTest, OneOfTheFutureNamesItsDate) {
+TEST_F(IdentityTest, NotYetValidCertificateNamesItsDate) {
     take("future");
     EXPECT_THAT(check().faults,
                 testing::Contains(AllOf(HasSubstr("/certificate.pem"),
                                         HasSubstr("not valid before 2099-01-01 00:00"), HasSubstr("clock"))));
 }
 
-TEST_F(IdentityTest, OneThatExpiresSoonIsAWarning) {
+TEST_F(IdentityTest, SoonExpiringCertificateIsAWarning) {
     take("brief");
     EXPECT_THAT(check().faults, testing::IsEmpty());
     EXPECT_THAT(check().warnings, ElementsAre(AllOf(HasSubstr("expires on"), HasSubstr("--renew"))));
@@ -160,13 +160,13 @@ TEST_F(IdentityTest, DocumentsOfAnotherLabAreNamed) {
     }
 }
 
-TEST_F(IdentityTest, KeyOfAnotherIsNamed) {
+TEST_F(IdentityTest, MismatchedKeyIsNamed) {
     fs::copy_file(labs_ / "lab/instructor/key.pem", folder_ / "key.pem",
                   fs::copy_options::overwrite_existing);
     EXPECT_THAT(check().faults, ElementsAre(AllOf(HasSubstr("/key.pem"), HasSubstr("not the key of"))));
 }
 
-TEST_F(IdentityTest, PermissionsOfAnotherAreNamed) {
+TEST_F(IdentityTest, MismatchedPermissionsAreNamed) {
     fs::copy_file(labs_ / "lab/instructor/permissions.p7s", folder_ / "permissions.p7s",
                   fs::copy_options::overwrite_existing);
     EXPECT_THAT(check().faults,
@@ -174,7 +174,7 @@ TEST_F(IdentityTest, PermissionsOfAnotherAreNamed) {
                                   HasSubstr("'CN=instructor,OU=instructor,O=NeoETI lab'"))));
 }
 
-TEST_F(IdentityTest, ChangedPermissionsAreNotBelieved) {
+TEST_F(IdentityTest, TamperedPermissionsAreRefused) {
     std::string text = read(folder_ / "permissions.p7s");
     const std::size_t at = text.find("eti/annotation");
     ASSERT_NE(at, std::string::npos);
@@ -182,7 +182,7 @@ TEST_F(IdentityTest, ChangedPermissionsAreNotBelieved) {
     EXPECT_THAT(check().faults, ElementsAre(AllOf(HasSubstr("/permissions.p7s"), HasSubstr("changed"))));
 }
 
-TEST_F(IdentityTest, CutDocumentIsNamedWhereverItWasCut) {
+TEST_F(IdentityTest, TruncatedDocumentIsNamed) {
     for (const char* name : {"governance.p7s", "permissions.p7s"}) {
         const std::string whole = read(labs_ / "lab/observer" / name);
         // The last 200 bytes hold no more than the end of the signature and the closing boundary.
@@ -194,7 +194,7 @@ TEST_F(IdentityTest, CutDocumentIsNamedWhereverItWasCut) {
     }
 }
 
-TEST_F(IdentityTest, KeyThatOthersCanReadIsAWarning) {
+TEST_F(IdentityTest, WorldReadableKeyIsAWarning) {
     fs::permissions(folder_ / "key.pem", fs::perms::owner_read | fs::perms::others_read);
     EXPECT_THAT(check().faults, testing::IsEmpty());
     EXPECT_THAT(check().warnings, ElementsAre(HasSubstr("chmod 600")));
@@ -235,8 +235,8 @@ TEST_F(IdentityTest, TopicOutsideTheRoleIsRefusedWithTheRole) {
     Subscriber<msg::SceneDescription> scene(node, topics::scene);
 }
 
-/// The largest message arrives, though ciphers add to every datagram, and readers that leave in its midst
-/// harm nobody: where whole datagrams are encrypted, the library aborts or stalls
+/// The largest message arrives, although encryption enlarges every datagram, and readers that leave in the
+/// middle of it do no harm. With whole datagrams encrypted, the library aborts or stalls
 /// (docs/decisions/security.md).
 TEST_F(IdentityTest, SceneOfTwoMegabytesArrives) {
     Options as_server = test::bus_options("eti-server"), as_observer = test::bus_options("test");
@@ -260,8 +260,8 @@ TEST_F(IdentityTest, SceneOfTwoMegabytesArrives) {
     EXPECT_EQ(read.vertices().size(), 500000u);
 }
 
-/// A participant without identity, one of another lab and one of this lab ask for what a server publishes.
-TEST_F(IdentityTest, StrangersMeetNobody) {
+/// A participant without identity, one of another lab and one of this lab subscribe to a server's topics.
+TEST_F(IdentityTest, UnauthenticatedNodesAreNotMatched) {
     Options as_server = test::bus_options("eti-server"), plain = test::bus_options("plain");
     Options foreign = test::bus_options("foreign"), own = test::bus_options("own");
     as_server.identity = labs_ / "lab/server";
@@ -273,17 +273,17 @@ TEST_F(IdentityTest, StrangersMeetNobody) {
     Subscriber<msg::SessionStatus> unseen(stranger, topics::session_status);
     Subscriber<msg::SessionStatus> unseen_either(neighbour, topics::session_status);
     ASSERT_TRUE(test::eventually([&] { return seen.matched() == 1; }));
-    // Twice the announcement's period and more: who could match, would have.
+    // More than twice the announcement period: any possible match has happened.
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     EXPECT_EQ(status.matched(), 1);
     EXPECT_EQ(unseen.matched(), 0);
     EXPECT_EQ(unseen_either.matched(), 0);
 }
 
-/// An observer whose own governance lets everybody write everything gets past its own checks. The server
-/// refuses its writer all the same: it is protected otherwise than the server's governance asks. (So would be
-/// an instructor's with this governance; that permissions alone keep a writer out is the test before.)
-TEST_F(IdentityTest, WriterUnderALooserGovernanceIsRefusedByTheReader) {
+/// An observer whose own governance allows every write passes its own checks. The server still rejects its
+/// writer, because its protection differs from the server's governance. (This would also reject an instructor
+/// with this governance; the previous test shows that permissions alone keep a writer out.)
+TEST_F(IdentityTest, WriterWithLooserGovernanceIsRefused) {
     const fs::path authority = labs_ / "lab/authority";
     const std::string command =
         "cd " + folder_.string() +
@@ -299,10 +299,10 @@ TEST_F(IdentityTest, WriterUnderALooserGovernanceIsRefusedByTheReader) {
     as_instructor.identity = labs_ / "lab/instructor";
     Node server(as_server), observer(as_observer), instructor(as_instructor);
     Subscriber<msg::Command> taken(server, topics::command);
-    Publisher<msg::Command> forbidden(observer, topics::command);  // its own check lets it
+    Publisher<msg::Command> forbidden(observer, topics::command);  // its own check permits it
     Publisher<msg::Command> allowed(instructor, topics::command);
     ASSERT_TRUE(test::eventually([&] { return allowed.matched() == 1 && taken.matched() > 0; }));
-    // Twice the announcement's period and more: who could match, would have.
+    // More than twice the announcement period: any possible match has happened.
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     msg::Command command_message;
     command_message.name("stop");
@@ -317,7 +317,7 @@ TEST_F(IdentityTest, WriterUnderALooserGovernanceIsRefusedByTheReader) {
     EXPECT_EQ(taken.matched(), 1);
 }
 
-TEST(PermitTest, ReadsWhatTheStandardWrites) {
+TEST(PermitTest, ReadsStandardPermissions) {
     const auto permits = read_permits(R"(<dds><permissions><grant name="a"><subject_name>CN=a</subject_name>
         <validity><not_before>2020-01-01T00:00:00</not_before><not_after>2036-01-01T00:00:00</not_after></validity>
         <allow_rule><domains><id>7</id><id_range><min>10</min><max>12</max></id_range></domains>
@@ -333,7 +333,7 @@ TEST(PermitTest, ReadsWhatTheStandardWrites) {
     EXPECT_FALSE(permit.topic(7, "course/3", "eti/command", true));
 }
 
-TEST(PermitTest, NamesTheLineOfWhatIsMissing) {
+TEST(PermitTest, MissingElementNamesItsLine) {
     EXPECT_THAT(
         [] { (void)read_permits("<dds>\n<permissions>\n<grant name='a'/></permissions></dds>"); },
         testing::ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("line 3"), HasSubstr("subject_name"))));

@@ -5,12 +5,12 @@
 #include <string>
 #include <type_traits>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "common/bus/topics.hpp"
 
 namespace eti::bus {
 
-/// Sets a part of a message, and every member of it, to values of its own: sequences at their bounds, strings
+/// Sets a part of a message, and every member of it, to distinct values: sequences at their bounds, strings
 /// not empty. `next` counts.
 template <class Part>
 void fill(Part& part, std::size_t bound, int& next) {
@@ -35,7 +35,7 @@ void fill(Part& part, std::size_t bound, int& next) {
     }
 }
 
-/// One message of each kind with every member set to a value of its own.
+/// One message of each kind with a distinct value in every member.
 template <class Message>
 Message example() {
     Message out;

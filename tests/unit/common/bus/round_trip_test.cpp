@@ -18,7 +18,7 @@ void expect_round_trip(const Topic<Message>& topic) {
     const Message sent = example<Message>();
     Message received;
     ASSERT_FALSE(sent == received) << "an example equal to an empty message proves nothing";
-    // A best-effort sample may meet a reader that matched a moment later on its own side: send again.
+    // A reader may match later on its own side and miss a best-effort sample: send again.
     bool arrived = false;
     for (int attempt = 0; attempt < 50 && !arrived; ++attempt) {
         ASSERT_TRUE(publisher.publish(sent));
@@ -34,7 +34,7 @@ TEST(RoundTrip, EveryTopic) {
 #undef ETI_TRIP
 }
 
-// A scene object larger than any datagram arrives whole.
+// A scene object larger than any datagram arrives complete.
 TEST(RoundTrip, TwoMegabytes) {
     Node sender(options("eti-server"));
     Node receiver(options("receiver"));
@@ -75,7 +75,7 @@ TEST(RoundTrip, EndpointsMayOutliveTheirNode) {
         eventually([&] { return publisher.publish(example<msg::ToolPose>()) && subscriber.take(received); }));
 }
 
-TEST(RoundTrip, ABrokenBoundIsNotSent) {
+TEST(RoundTrip, SampleExceedingItsBoundIsNotSent) {
     Node node(options("eti-server"));
     Publisher<msg::ProxyState> proxy(node, topics::proxy);
     msg::ProxyState message = example<msg::ProxyState>();

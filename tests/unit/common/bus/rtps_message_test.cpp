@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// Reference: OMG DDSI-RTPS 2.5, chapter 9.4, whose layouts the messages below are written after.
-#include "common/bus/rtps_message.hpp"
+// Reference: OMG DDSI-RTPS 2.5, chapter 9.4, which defines the layouts of the messages below.
+#include "common/bus/guard/rtps_message.hpp"
 
 #include <gtest/gtest.h>
 
@@ -75,14 +75,14 @@ class Message {
         return u32(whole).zeros(payload);
     }
 
-    [[nodiscard]] bool passes() const { return bearable(bytes_); }
+    [[nodiscard]] bool passes() const { return is_well_formed(bytes_); }
     [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
 
   private:
     std::vector<std::uint8_t> bytes_;
 };
 
-TEST(RtpsMessage, WhatASessionSendsPasses) {
+TEST(RtpsMessage, LegitimateMessagesAreWellFormed) {
     EXPECT_TRUE(Message().passes());
     EXPECT_TRUE(Message().data().heartbeat(1, 5).passes());
     EXPECT_TRUE(Message().heartbeat(8, 7).passes()) << "nothing in the history";
@@ -97,8 +97,8 @@ TEST(RtpsMessage, WhatASessionSendsPasses) {
     EXPECT_TRUE(Message().data().put({0x80, 0, 0, 56}).zeros(56).passes()) << "statistics are the last";
 }
 
-// 84 bytes that end a process of Fast DDS 2.9.1 by an assertion (RTPSStatisticsMessages.hpp).
-TEST(RtpsMessage, StatisticsThatAreNotTheLastAreRefused) {
+// 84 bytes that abort a process with Fast DDS 2.9.1 by an assertion (RTPSStatisticsMessages.hpp).
+TEST(RtpsMessage, StatisticsBeforeOtherSubmessagesAreRefused) {
     auto deadly = Message();
     deadly.submessage(0x80, 56).zeros(56).submessage(0x01, 0);
     EXPECT_EQ(deadly.bytes().size(), 84u);
@@ -106,43 +106,43 @@ TEST(RtpsMessage, StatisticsThatAreNotTheLastAreRefused) {
     EXPECT_FALSE(Message().submessage(0x80, 60).zeros(60).passes());
 }
 
-TEST(RtpsMessage, RangesThatTheLibraryWouldLoopOverAreRefused) {
-    EXPECT_TRUE(Message().heartbeat(1, longest_range - 1).passes());
-    EXPECT_FALSE(Message().heartbeat(1, longest_range + 1).passes());
+TEST(RtpsMessage, ExcessiveSequenceRangesAreRefused) {
+    EXPECT_TRUE(Message().heartbeat(1, max_sequence_range - 1).passes());
+    EXPECT_FALSE(Message().heartbeat(1, max_sequence_range + 1).passes());
     EXPECT_FALSE(Message().heartbeat(0, 3).passes());
     EXPECT_FALSE(Message().heartbeat(9, 3).passes());
-    EXPECT_FALSE(Message().gap(1, 2 + longest_range).passes());
+    EXPECT_FALSE(Message().gap(1, 2 + max_sequence_range).passes());
     EXPECT_FALSE(Message().gap(5, 4).passes());
     EXPECT_FALSE(Message().gap(1, 2, 257).passes());
     EXPECT_FALSE(Message().acknack(-1).passes());
-    EXPECT_FALSE(Message().acknack(largest_number + 1).passes());
+    EXPECT_FALSE(Message().acknack(max_sequence_number + 1).passes());
     EXPECT_FALSE(Message().acknack(1, 300).passes());
     EXPECT_FALSE(Message().data(0).passes());
-    EXPECT_FALSE(Message().data(largest_number + 1).passes());
+    EXPECT_FALSE(Message().data(max_sequence_number + 1).passes());
 }
 
-TEST(RtpsMessage, FragmentsThatDoNotLieInTheirSampleAreRefused) {
+TEST(RtpsMessage, FragmentsOutsideTheirSampleAreRefused) {
     EXPECT_FALSE(Message().fragment(0, 1, 100, 150, 100).passes());
     EXPECT_FALSE(Message().fragment(3, 1, 100, 150, 100).passes());
     EXPECT_FALSE(Message().fragment(1, 2, 100, 150, 100).passes()) << "fewer bytes than fragments";
     EXPECT_FALSE(Message().fragment(1, 1, 0, 150, 100).passes());
-    EXPECT_FALSE(Message().fragment(1, 1, 100, largest_sample + 1, 100).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 100, max_sample_bytes + 1, 100).passes());
 }
 
-TEST(RtpsMessage, WhatIsNoRtpsIsRefused) {
-    EXPECT_FALSE(bearable({}));
+TEST(RtpsMessage, NonRtpsDatagramIsRefused) {
+    EXPECT_FALSE(is_well_formed({}));
     auto bytes = Message().data().bytes();
     bytes[0] = 'X';
-    EXPECT_FALSE(bearable(bytes));
+    EXPECT_FALSE(is_well_formed(bytes));
     bytes[0] = 'R';
     bytes[4] = 3;
-    EXPECT_FALSE(bearable(bytes)) << "another major version";
+    EXPECT_FALSE(is_well_formed(bytes)) << "another major version";
     EXPECT_FALSE(Message().submessage(0x0c, 20).zeros(20).data().passes()) << "speaks for another";
     EXPECT_FALSE(Message().submessage(0x07, 8).zeros(8).passes()) << "too short";
     EXPECT_FALSE(Message().submessage(0x15, 400).zeros(24).passes()) << "longer than the datagram";
 }
 
-TEST(RtpsMessage, DiscoveryIsAListOfParametersThatEnds) {
+TEST(RtpsMessage, DiscoveryParameterListMustBeTerminated) {
     const auto announcement = [](std::initializer_list<int> parameters) {
         Message message;
         message.submessage(0x15, static_cast<std::uint32_t>(24 + parameters.size()), 5).u16(0).u16(16);
@@ -155,27 +155,29 @@ TEST(RtpsMessage, DiscoveryIsAListOfParametersThatEnds) {
     EXPECT_FALSE(announcement({0x15, 0, 200, 0, 2, 3, 0, 0, 1, 0, 0, 0})) << "beyond the end";
 }
 
-TEST(RtpsMessage, ARefusedWriterMakesTheDatagramUnbearable) {
+TEST(RtpsMessage, DatagramFromRejectedWriterIsDropped) {
     const auto message = Message().acknack(1).data().bytes();
     const WriterId writer{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, {0, 0, 1, 3}};
-    EXPECT_FALSE(bearable(message, [&](const Written& asked) { return asked.writer == writer; }));
-    EXPECT_TRUE(bearable(message, [&](const Written& asked) { return asked.writer != writer; }));
-    EXPECT_TRUE(bearable(Message().acknack(1).bytes(), [](const Written&) { return true; }))
+    EXPECT_FALSE(
+        is_well_formed(message, [&](const WriterSubmessage& asked) { return asked.writer == writer; }));
+    EXPECT_TRUE(
+        is_well_formed(message, [&](const WriterSubmessage& asked) { return asked.writer != writer; }));
+    EXPECT_TRUE(is_well_formed(Message().acknack(1).bytes(), [](const WriterSubmessage&) { return true; }))
         << "readers are not writers";
 }
 
-TEST(RtpsMessage, HeartbeatsAndGapsSayHowFarTheyMoveAReader) {
+TEST(RtpsMessage, HeartbeatsAndGapsReportTheirHighestNumber) {
     std::vector<std::int64_t> told;
-    const auto note = [&](const Written& written) {
+    const auto note = [&](const WriterSubmessage& written) {
         told.push_back(written.up_to);
         return false;
     };
-    EXPECT_TRUE(bearable(Message().data(9).heartbeat(3, 1000).gap(7, 70, 40).acknack(5).bytes(), note));
+    EXPECT_TRUE(is_well_formed(Message().data(9).heartbeat(3, 1000).gap(7, 70, 40).acknack(5).bytes(), note));
     EXPECT_EQ(told, (std::vector<std::int64_t>{0, 1000, 70}));
 }
 
-// Under the address sanitizer this tells whether anything is read beyond the datagram.
-TEST(RtpsMessage, MutantsAreJudgedWithoutReadingBeyondThem) {
+// With the address sanitizer this detects any read beyond the datagram.
+TEST(RtpsMessage, MutatedDatagramsAreNotReadOutOfBounds) {
     const auto whole =
         Message().data().heartbeat(1, 5).gap(3, 9, 40).acknack(2, 33).fragment(1, 1, 90, 150, 90).bytes();
     Random random(18);
@@ -186,7 +188,7 @@ TEST(RtpsMessage, MutantsAreJudgedWithoutReadingBeyondThem) {
         for (std::uint64_t n = random.bits() % 4; n > 0 && !mutant.empty(); --n) {
             mutant[random.bits() % mutant.size()] = static_cast<std::uint8_t>(random.bits());
         }
-        passed += bearable(mutant) ? 1 : 0;
+        passed += is_well_formed(mutant) ? 1 : 0;
     }
     EXPECT_GT(passed, 0u);
     EXPECT_LT(passed, 50'000u);

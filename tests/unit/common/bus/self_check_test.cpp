@@ -28,8 +28,8 @@ std::string failure_of(const Options& wanted) {
     return "no BusError";
 }
 
-/// A server that may not stay is refused as soon as it hears of the other; `wait` is how long one that
-/// may stay listens.
+/// A server that must not stay is refused as soon as it discovers the other; `wait` is the listening time of
+/// one that may stay.
 std::string refusal_of_node(Node& node, std::chrono::milliseconds wait = 2s) {
     try {
         (void)self_check(node, true, wait);
@@ -52,7 +52,7 @@ TEST(SelfCheck, ASecondServerIsRefusedByName) {
     EXPECT_EQ(refusal_of_node(elsewhere), "no BusError") << "another session is free";
 }
 
-TEST(SelfCheck, OfTwoServersThatStartTogetherOneStays) {
+TEST(SelfCheck, OnlyOneOfTwoSimultaneousServersStarts) {
     Node first(options("eti-server"));
     Node second(options("eti-server"));
     std::string first_says;
@@ -63,7 +63,7 @@ TEST(SelfCheck, OfTwoServersThatStartTogetherOneStays) {
     EXPECT_THAT(second_says, HasSubstr(process_name()));
 }
 
-TEST(SelfCheck, AForgedStatusKeepsNoServerOut) {
+TEST(SelfCheck, ForgedStatusDoesNotBlockServer) {
     Node stranger(options("stranger"));
     Publisher<msg::SessionStatus> status(stranger, topics::session_status);
     ASSERT_TRUE(status.publish(example<msg::SessionStatus>()));
@@ -81,21 +81,21 @@ TEST(SelfCheck, ASessionIsFreeAfterItsServerLeft) {
     EXPECT_EQ(refusal_of_node(second), "no BusError");
 }
 
-TEST(SelfCheck, SaysWhatToDoWithoutAServer) {
+TEST(SelfCheck, MissingServerWarningNamesRemedies) {
     Node client(options("eti-client"));
     EXPECT_THAT(
         self_check(client, false, 300ms).warnings,
         Contains(AllOf(HasSubstr("no server found"), HasSubstr("start eti-server"), HasSubstr("--profile"))));
 }
 
-TEST(SelfCheck, NamesTheSessionThereIs) {
+TEST(SelfCheck, SuggestsTheRunningSession) {
     Node server(options("eti-server", "morning"));
     Node client(options("eti-client", "mornign"));
     EXPECT_THAT(self_check(client, false, 2s).warnings,
                 Contains(AllOf(HasSubstr("'mornign'"), HasSubstr("'morning'"), HasSubstr("--session"))));
 }
 
-TEST(SelfCheck, IsSoonDoneWhenAServerIsThere) {
+TEST(SelfCheck, ReturnsEarlyWhenServerIsPresent) {
     Node server(options("eti-server"));
     Publisher<msg::SessionStatus> status(server, topics::session_status);
     Node client(options("eti-client"));
@@ -104,24 +104,23 @@ TEST(SelfCheck, IsSoonDoneWhenAServerIsThere) {
     EXPECT_LT(Clock::now() - start, 5s);
 }
 
-// A server that still builds its patient publishes nothing yet.
-TEST(SelfCheck, SeesAServerThatIsStillLoading) {
+// A server that is still building its patient publishes nothing yet.
+TEST(SelfCheck, DetectsLoadingServer) {
     Node server(options("eti-server"));
     Node client(options("eti-client"));
     EXPECT_THAT(self_check(client, false, 10s).warnings, Not(Contains(HasSubstr("no server"))));
 }
 
-/// A participant as a program of another protocol introduces itself.
-TEST(SelfCheck, AServerOfAnotherProtocolIsNamedWithBothVersions) {
+/// A participant that announces another protocol version.
+TEST(SelfCheck, ProtocolMismatchNamesBothVersions) {
     for (const std::string theirs :
          {"eti;session=test;process=host:7;started=1;",
           "eti;protocol=999;version=9.8.7;session=test;process=host:7;started=1;"}) {
-        dds::DomainParticipantQos quality = dds::PARTICIPANT_QOS_DEFAULT;
-        quality.name(std::string(server_name));
-        quality.user_data().data_vec({theirs.begin(), theirs.end()});
+        dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+        qos.name(std::string(server_name));
+        qos.user_data().data_vec({theirs.begin(), theirs.end()});
         auto* const factory = dds::DomainParticipantFactory::get_instance();
-        auto* const other =
-            factory->create_participant(static_cast<std::uint32_t>(options("x").domain), quality);
+        auto* const other = factory->create_participant(static_cast<std::uint32_t>(options("x").domain), qos);
         ASSERT_NE(other, nullptr);
         Node client(options("eti-client"));
         std::string refusal = "no BusError";
@@ -155,8 +154,8 @@ TEST(NodeOptions, DomainOutOfRange) {
     }
 }
 
-// "*" as a partition would join every session there is.
-TEST(NodeOptions, SessionNames) {
+// As a partition, "*" would join every session.
+TEST(NodeOptions, InvalidSessionNamesAreRefused) {
     for (const char* session : {"", "*", "a b", "a;b", "../x", "[a-z]"}) {
         EXPECT_THAT(failure_of(options("x", session)), HasSubstr("expected 1 to 48 letters")) << session;
     }
@@ -212,8 +211,8 @@ TEST_F(Profile, NotXml) {
     }
 }
 
-/// The good profile with `old` as `by`, and its transport under another name: the library keeps the
-/// transports of every file it has read.
+/// The valid profile with `old` replaced by `by`, and its transport renamed: the library keeps the transports
+/// of every file it has read.
 std::string changed_profile(const std::string& old, const std::string& by, const std::string& transport) {
     std::string text = good_profile;
     text.replace(text.find(old), old.size(), by);
@@ -229,7 +228,7 @@ TEST_F(Profile, WrongName) {
     EXPECT_THAT(failure_of(with(text)), AllOf(HasSubstr("profile.xml"), HasSubstr("profile_name=\"eti\"")));
 }
 
-// Programs crashed over it in one meeting of seven (docs/decisions/bus-transport.md).
+// Programs crashed because of it in one connection of seven (docs/decisions/bus-transport.md).
 TEST_F(Profile, TcpIsRefused) {
     const std::string text = changed_profile("UDPv4", "TCPv4", "tcp");
     EXPECT_THAT(
@@ -252,11 +251,11 @@ TEST_F(Profile, ConnectsThroughItsTransport) {
     expect_connects(with(good_profile));
 }
 
-// Early in the program: the library numbers a process's participants on, and looks for the first ones of a
-// machine.
-TEST(ShippedProfile, SharedMemoryConnectsTwoProgramsOfOneMachine) {
+// Must run early in the program: the library numbers a process's participants consecutively, and discovers
+// the first ones of a machine.
+TEST(ShippedProfile, SharedMemoryConnectsTwoLocalPrograms) {
     Options wanted = options("x");
-    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds/shared_memory.xml";
+    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/data/dds/shared_memory.xml";
     expect_connects(wanted);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/session_keys.hpp"
+#include "common/bus/security/session_keys.hpp"
 
 #include <gmock/gmock.h>
 
@@ -30,11 +30,11 @@ std::string refusal_of_description(const msg::SessionDescription& message) {
     return SessionKeys::of(message, why) ? "believed" : why;
 }
 
-/// Each value that lives a number of its own.
-LiveValues numbered() {
-    LiveValues values;
+/// Each runtime parameter with a distinct number.
+RuntimeParameters numbered() {
+    RuntimeParameters values;
     float next = 0.5f;
-    for (const LiveField& field : live_fields) {
+    for (const RuntimeParameterField& field : runtime_parameter_fields) {
         values.*field.value = next++;
     }
     return values;
@@ -42,38 +42,38 @@ LiveValues numbered() {
 
 TEST(SessionKeys, NamesOfTheTablesFitTheWire) {
     const msg::SessionDescription message = test::session_description();
-    ASSERT_EQ(message.live().size(), live_fields.size());
-    for (std::size_t i = 0; i < live_fields.size(); ++i) {
-        EXPECT_EQ(message.live()[i].name().to_string(), live_fields[i].name);
-        EXPECT_EQ(message.live()[i].label().to_string(), live_fields[i].label);
-        EXPECT_EQ(message.live()[i].unit().to_string(), live_fields[i].unit);
-        EXPECT_EQ(message.live()[i].help().to_string(), live_fields[i].help);
+    ASSERT_EQ(message.live().size(), runtime_parameter_fields.size());
+    for (std::size_t i = 0; i < runtime_parameter_fields.size(); ++i) {
+        EXPECT_EQ(message.live()[i].name().to_string(), runtime_parameter_fields[i].name);
+        EXPECT_EQ(message.live()[i].label().to_string(), runtime_parameter_fields[i].label);
+        EXPECT_EQ(message.live()[i].unit().to_string(), runtime_parameter_fields[i].unit);
+        EXPECT_EQ(message.live()[i].help().to_string(), runtime_parameter_fields[i].help);
     }
-    ASSERT_EQ(message.parameters().size(), parameter_fields.size());
-    for (std::size_t i = 0; i < parameter_fields.size(); ++i) {
-        EXPECT_EQ(message.parameters()[i].name().to_string(), parameter_fields[i].key);
-        EXPECT_EQ(message.parameters()[i].label().to_string(), parameter_fields[i].label);
-        EXPECT_EQ(message.parameters()[i].unit().to_string(), parameter_fields[i].unit);
+    ASSERT_EQ(message.parameters().size(), metric_fields.size());
+    for (std::size_t i = 0; i < metric_fields.size(); ++i) {
+        EXPECT_EQ(message.parameters()[i].name().to_string(), metric_fields[i].key);
+        EXPECT_EQ(message.parameters()[i].label().to_string(), metric_fields[i].label);
+        EXPECT_EQ(message.parameters()[i].unit().to_string(), metric_fields[i].unit);
     }
 }
 
 TEST(SessionKeys, EveryValueArrivesUnderItsName) {
     const SessionKeys keys = believed(test::session_description());
     msg::LiveMetrics metrics;
-    put_live(numbered(), metrics);
-    EXPECT_EQ(keys.live(metrics), numbered());
-    Parameters parameters = starting_parameters();
+    set_runtime_parameters(numbered(), metrics);
+    EXPECT_EQ(keys.runtime_parameters(metrics), numbered());
+    AttemptMetrics parameters = initial_metrics();
     parameters.time_s = 12.5;
-    EXPECT_EQ(keys.parameters(to_msg(parameters)).time_s, 12.5);
-    EXPECT_TRUE(keys.unlike().empty()) << keys.unlike();
+    EXPECT_EQ(keys.metrics(to_msg(parameters)).time_s, 12.5);
+    EXPECT_TRUE(keys.key_mismatch().empty()) << keys.key_mismatch();
 }
 
-TEST(SessionKeys, ToolsAndWeightAreThoseOfTheServer) {
+TEST(SessionKeys, ToolsAndWeightMatchTheServer) {
     Tube tube;
     tube.inner_diameter = 2.5e-3f;
     tube.grip_from_tip = 0.09f;
     const Laryngoscope scope = make_laryngoscope(Blade::miller_0);
-    const SessionKeys keys = believed(test::session_description(unseen_landmarks(), scope, tube));
+    const SessionKeys keys = believed(test::session_description(zero_landmarks(), scope, tube));
     EXPECT_EQ(keys.laryngoscope().blade, Blade::miller_0);
     EXPECT_EQ(keys.laryngoscope().blade_length, scope.blade_length);
     EXPECT_EQ(keys.laryngoscope().capsules[2].radius, scope.capsules[2].radius);
@@ -82,8 +82,8 @@ TEST(SessionKeys, ToolsAndWeightAreThoseOfTheServer) {
     EXPECT_EQ(keys.patient_weight(), 3.5);
 }
 
-// A server of another version, that has its keys in another order, one more, and one less.
-TEST(SessionKeys, LiquidIsThatOfTheServer) {
+// A server of another version, with its keys in another order, one more, and one less.
+TEST(SessionKeys, LiquidMatchesTheServer) {
     msg::SessionDescription message = test::session_description();
     EXPECT_EQ(believed(message).liquid(), LiquidKind::saliva);
     for (const LiquidKind kind : {LiquidKind::saliva, LiquidKind::blood}) {
@@ -92,32 +92,33 @@ TEST(SessionKeys, LiquidIsThatOfTheServer) {
     }
 }
 
-TEST(SessionKeys, APeerOfAnotherVersionWorksOnTheKeysThatBothKnow) {
+TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
     msg::SessionDescription theirs = test::session_description();
     theirs.version("9.8.7");
     std::ranges::reverse(theirs.live());
-    theirs.live().pop_back();  // what stands first in ours
+    theirs.live().pop_back();  // the first one in this version
     msg::LiveKey stranger = theirs.live().front();
     stranger.name("humidity");
     theirs.live().insert(theirs.live().begin(), stranger);
     std::ranges::reverse(theirs.landmarks());
     const SessionKeys keys = believed(theirs);
-    EXPECT_THAT(keys.unlike(),
+    EXPECT_THAT(keys.key_mismatch(),
                 AllOf(HasSubstr("9.8.7"), HasSubstr(ETI_VERSION), HasSubstr("only the server knows humidity"),
-                      HasSubstr("only this program knows " + std::string(live_fields[0].name))));
+                      HasSubstr("only this program knows " + std::string(runtime_parameter_fields[0].name))));
     msg::LiveMetrics metrics;
     metrics.live().push_back(77.0f);
-    const LiveValues values = numbered();
-    for (std::size_t i = live_fields.size(); i-- > 1;) {
-        metrics.live().push_back(values.*live_fields[i].value);
+    const RuntimeParameters values = numbered();
+    for (std::size_t i = runtime_parameter_fields.size(); i-- > 1;) {
+        metrics.live().push_back(values.*runtime_parameter_fields[i].value);
     }
     for (std::size_t i = landmark_count; i-- > 0;) {
         metrics.landmarks().push_back(to_msg(Vec3f(static_cast<float>(i), 0.0f, 0.0f)));
     }
-    const LiveValues heard = keys.live(metrics);
-    EXPECT_TRUE(std::isnan(heard.*live_fields[0].value)) << "the server does not have it";
-    for (std::size_t i = 1; i < live_fields.size(); ++i) {
-        EXPECT_EQ(heard.*live_fields[i].value, values.*live_fields[i].value) << live_fields[i].name;
+    const RuntimeParameters heard = keys.runtime_parameters(metrics);
+    EXPECT_TRUE(std::isnan(heard.*runtime_parameter_fields[0].value)) << "the server does not have it";
+    for (std::size_t i = 1; i < runtime_parameter_fields.size(); ++i) {
+        EXPECT_EQ(heard.*runtime_parameter_fields[i].value, values.*runtime_parameter_fields[i].value)
+            << runtime_parameter_fields[i].name;
     }
     EXPECT_EQ(keys.landmarks(metrics).value()[3].x(), 3.0f);
     metrics.landmarks().pop_back();
@@ -126,7 +127,7 @@ TEST(SessionKeys, APeerOfAnotherVersionWorksOnTheKeysThatBothKnow) {
     EXPECT_FALSE(keys.landmarks(metrics));
 }
 
-TEST(SessionKeys, WhatCannotWorkIsRefusedWithBothVersions) {
+TEST(SessionKeys, IncompatiblePeerIsRefusedWithBothVersions) {
     msg::SessionDescription theirs = test::session_description();
     theirs.version("9.8.7");
     theirs.landmarks().pop_back();
@@ -134,7 +135,7 @@ TEST(SessionKeys, WhatCannotWorkIsRefusedWithBothVersions) {
                                                       HasSubstr(std::string(landmark_names.back()))));
 }
 
-TEST(SessionKeys, WhatCannotBeRightIsRefused) {
+TEST(SessionKeys, InvalidDescriptionIsRefused) {
     const auto with = [](const auto& change) {
         msg::SessionDescription message = test::session_description();
         change(message);

@@ -21,10 +21,10 @@ using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
 
-// Those whose lock a process holds open: other processes make and lose theirs meanwhile.
+// Files whose lock a process holds open; other processes create and remove theirs meanwhile.
 Options over_shared_memory(const std::string& name) {
     Options wanted = options(name);
-    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/dds/shared_memory.xml";
+    wanted.profile = std::filesystem::path(ETI_SOURCE_DIR) / "deploy/data/dds/shared_memory.xml";
     return wanted;
 }
 
@@ -43,7 +43,7 @@ std::vector<std::string> transport_files_of(pid_t process) {
     return names;
 }
 
-TEST(SharedMemory, ALivingNodesFilesAreNotStale) {
+TEST(SharedMemory, FilesOfRunningNodeAreNotStale) {
     const Node node(over_shared_memory("living"));
     const auto made = transport_files_of(::getpid());
     ASSERT_THAT(made, Not(IsEmpty())) << "the node made no shared memory; what is tested here?";
@@ -52,8 +52,8 @@ TEST(SharedMemory, ALivingNodesFilesAreNotStale) {
     }
 }
 
-// The real thing: a process that is killed leaves its files.
-TEST(SharedMemory, AKilledNodesFilesAreStale) {
+// A real case: a killed process leaves its files behind.
+TEST(SharedMemory, FilesOfKilledNodeAreStale) {
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     const pid_t child = ::fork();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/wire.hpp"
+#include "common/bus/codec/wire.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -17,7 +17,7 @@ namespace {
 
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 
-/// The bytes that go over the wire for `message`.
+/// The serialised bytes of `message`.
 template <class Type>
 std::vector<std::uint8_t> bytes_of(typename Type::Message message) {
     Type type;
@@ -39,7 +39,7 @@ bool reads(const std::vector<std::uint8_t>& bytes) {
 template <class Generated>
 class Malformed : public ::testing::Test {};
 
-/// Of all messages, without the comma that a list of macros leaves.
+/// All message types, without the trailing comma of a macro list.
 template <class, class... Generated>
 using Listed = ::testing::Types<Generated...>;
 #define ETI_GENERATED(name) , msg::name##PubSubType
@@ -60,7 +60,7 @@ TYPED_TEST(Malformed, EveryTruncationIsRefused) {
     }
 }
 
-TYPED_TEST(Malformed, NoiseNeitherThrowsNorAllocatesWithoutEnd) {
+TYPED_TEST(Malformed, NoiseNeitherThrowsNorOverallocates) {
     using Type = WireType<TypeParam>;
     const auto whole = bytes_of<Type>(example<typename Type::Message>());
     Random random(7);
@@ -70,7 +70,7 @@ TYPED_TEST(Malformed, NoiseNeitherThrowsNorAllocatesWithoutEnd) {
         for (int flips = 0; flips < 4; ++flips) {
             bytes[random.bits() % bytes.size()] = static_cast<std::uint8_t>(random.bits());
         }
-        // Lengths are where damage hurts most: overwrite a whole word with a huge number too.
+        // Damaged lengths are the most dangerous: also overwrite a whole word with a huge number.
         const std::uint32_t huge = trial % 2 == 0 ? 0xffffffffu : 0x7fffffffu;
         const std::size_t word = 4 * (random.bits() % (bytes.size() / 4));
         std::memcpy(bytes.data() + word, &huge, sizeof huge);
@@ -86,7 +86,7 @@ TYPED_TEST(Malformed, NoiseNeitherThrowsNorAllocatesWithoutEnd) {
     EXPECT_GT(refused, 0) << "the noise never met a member that can be malformed";
 }
 
-TEST(MalformedDescription, AnnouncedKeysAreNotAllocatedUnseen) {
+TEST(MalformedDescription, ExcessiveKeyCountIsNotAllocated) {
     using Type = WireType<msg::SessionDescriptionPubSubType>;
     auto message = example<msg::SessionDescription>();
     message.live().clear();
@@ -107,7 +107,7 @@ TEST(MalformedDescription, AnnouncedKeysAreNotAllocatedUnseen) {
     }
 }
 
-TEST(MalformedBounds, SequencesLongerThanTheirBound) {
+TEST(MalformedBounds, OverlongSequencesAreRefused) {
     auto contacts = example<msg::TissueContacts>();
     contacts.contacts().emplace_back();
     EXPECT_FALSE(reads<WireType<msg::TissueContactsPubSubType>>(
@@ -142,21 +142,20 @@ class RawType : public msg::SessionStatusPubSubType {
     }
 };
 
-TEST(MalformedOnTheBus, IsDroppedAndTheNextGoodSampleIsRead) {
-    // A server, because no reader listens to anybody else's status.
+TEST(MalformedSample, IsDroppedAndNextValidSampleIsRead) {
+    // A server, because no reader subscribes to any other program's status.
     const Options wanted = options("eti-server");
     Participant hostile(wanted);
     const dds::TypeSupport raw(new RawType);
-    dds::DataWriterQos quality = dds::DATAWRITER_QOS_DEFAULT;
-    quality.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
-    quality.history().depth = 100;
-    quality.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
-    quality.liveliness().lease_duration = eprosima::fastrtps::Duration_t(0.3L);
-    quality.liveliness().announcement_period = eprosima::fastrtps::Duration_t(0.1L);
-    quality.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
-    quality.data_sharing().off();
-    auto* writer =
-        hostile.publisher->create_datawriter(hostile.topic(topics::session_status.name, raw), quality);
+    dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
+    qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+    qos.history().depth = 100;
+    qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = eprosima::fastrtps::Duration_t(0.3L);
+    qos.liveliness().announcement_period = eprosima::fastrtps::Duration_t(0.1L);
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+    qos.data_sharing().off();
+    auto* writer = hostile.publisher->create_datawriter(hostile.topic(topics::session_status.name, raw), qos);
     ASSERT_NE(writer, nullptr);
 
     Node victim(options("victim"));

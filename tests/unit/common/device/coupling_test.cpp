@@ -22,21 +22,21 @@ TEST(Coupling, IsASpringAndADamperFromDeviceToProxy) {
     const Wrench wrench = coupling_wrench(device, proxy, s);
     EXPECT_TRUE(wrench.force.isApprox(Vec3f(0.002f * s.stiffness, 0.05f * s.damping, 0), 1e-6f));
     EXPECT_TRUE(wrench.torque.isApprox(Vec3f(s.rotational_damping, 0, 0.1f * s.rotational_stiffness), 1e-5f));
-    // A wrench on the device that pulls it to the proxy: the other way round it is the opposite.
+    // A wrench on the device that pulls it to the proxy; with both swapped it is the opposite.
     EXPECT_TRUE(coupling_wrench(proxy, device, s).force.isApprox(-wrench.force, 1e-6f));
 }
 
-TEST(Coupling, IsShortenedToTheDevicesRangeWithoutTurning) {
+TEST(Coupling, IsClampedToDeviceLimitKeepingDirection) {
     const CouplingSettings s;
     const Wrench big{Vec3f(30, 40, 0), Vec3f(0, 0, -9)};
-    const Wrench wrench = limited(big, s);
+    const Wrench wrench = clamp_to_limits(big, s);
     EXPECT_TRUE(wrench.force.isApprox(s.force_limit * Vec3f(0.6f, 0.8f, 0), 1e-6f));
     EXPECT_TRUE(wrench.torque.isApprox(Vec3f(0, 0, -s.torque_limit), 1e-6f));
     const Wrench small{Vec3f(1, 2, 3), Vec3f(0.1f, 0, 0)};
-    EXPECT_EQ(limited(small, s).force, small.force);
+    EXPECT_EQ(clamp_to_limits(small, s).force, small.force);
     const Wrench bad{Vec3f(1, std::numeric_limits<float>::infinity(), 3), Vec3f(0.1f, 0, 0)};
-    EXPECT_EQ(limited(bad, s).force, Vec3f::Zero());
-    EXPECT_EQ(limited(bad, s).torque, Vec3f::Zero());
+    EXPECT_EQ(clamp_to_limits(bad, s).force, Vec3f::Zero());
+    EXPECT_EQ(clamp_to_limits(bad, s).torque, Vec3f::Zero());
 }
 
 }  // namespace

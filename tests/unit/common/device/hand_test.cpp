@@ -31,7 +31,7 @@ void settle(HandDevice& hand, const RigidTransform& wanted, const Wrench& wrench
     }
 }
 
-TEST(Hand, GivesWayToAForceByHookesLaw) {
+TEST(Hand, DeflectsByHookesLaw) {
     HandDevice hand(frictionless(), at(0));
     const Wrench wrench{Vec3f(0, 1.8f, 0), Vec3f(0, 0.2f, 0)};
     settle(hand, at(0), wrench);
@@ -41,7 +41,7 @@ TEST(Hand, GivesWayToAForceByHookesLaw) {
     EXPECT_NEAR(rotation_vector(hand.motion().pose.rotation).y(), 0.2f / 4.0f, 1e-6f);
 }
 
-TEST(Hand, RestsInTheBandThatFrictionLeaves) {
+TEST(Hand, RestsWithinTheFrictionBand) {
     const HandSettings settings;
     HandDevice hand(settings, at(0));
     settle(hand, at(0.01f), {});
@@ -61,7 +61,7 @@ TEST(Hand, ForceBelowFrictionMovesNothing) {
 
 class HandStep : public testing::TestWithParam<float> {};
 
-TEST_P(HandStep, FreeOscillationHasTheSpringsFrequencyAndTheMethodsDamping) {
+TEST_P(HandStep, FreeOscillationMatchesTheory) {
     HandSettings settings = frictionless();
     settings.hand_damping = settings.device_damping = 0.0f;
     settings.hand_rotational_damping = settings.device_rotational_damping = 0.0f;
@@ -91,8 +91,8 @@ TEST_P(HandStep, FreeOscillationHasTheSpringsFrequencyAndTheMethodsDamping) {
     const double step = w * static_cast<double>(dt);
     const double measured = pi * 8 / (crossings.back() - crossings.front());
     // Backward Euler's roots are 1 / (1 +- i w dt): the frequency is atan(w dt)/dt = w (1 - (w dt)^2/3 +
-    // ...), and the amplitude shrinks by (1 + (w dt)^2)^-1/2 a step. Linear interpolation of a crossing errs
-    // by (w dt)^2/8 of a step at most; two of them over four periods: (w dt)^3 / (32 pi).
+    // ...), and the amplitude shrinks by (1 + (w dt)^2)^-1/2 per step. Linear interpolation of a crossing
+    // errs by (w dt)^2/8 of a step at most; two of them over four periods: (w dt)^3 / (32 pi).
     EXPECT_NEAR(measured / w, 1.0, step * step / 3 + step * step * step / 100 + 1e-5);
     EXPECT_NEAR(measured * static_cast<double>(dt), std::atan(step),
                 step * (step * step * step / 100 + 1e-5));
@@ -129,8 +129,8 @@ TEST_P(HandStep, EnergyNeverGrowsWhileTheTargetRests) {
         for (int i = 0; i < 200; ++i) {
             hand.step(wanted, {}, dt);
             const double now = energy();
-            // Single precision: positions of 0.02 m carry 2e-9 m, springs turn that into k x dx, below 1e-7 J
-            // at a stretch of 20 mm; a rotation carries 1e-7 rad likewise.
+            // Single precision: positions of 0.02 m carry 2e-9 m, which springs turn into k x dx, below 1e-7
+            // J at a stretch of 20 mm; likewise 1e-7 rad for a rotation.
             ASSERT_LE(now, before * (1 + 1e-6) + 1e-9) << "kick " << kick << ", step " << i;
             before = now;
         }
@@ -142,13 +142,13 @@ TEST_P(HandStep, PressedAgainstASpringWallRestsInBalance) {
     const CouplingSettings coupling;
     const float depth = 0.004f;
     HandDevice hand(settings, at(-0.01f));
-    // The wall holds the proxy at x = 0; the hand wants to be `depth` behind it. The wall pushes only.
+    // The wall holds the proxy at x = 0; the hand's goal is `depth` behind it. The wall only pushes.
     const auto push = [&] {
         Motion proxy;
         proxy.pose = at(0);
         Wrench wrench = coupling_wrench(hand.motion(), proxy, coupling);
         wrench.force.x() = std::min(wrench.force.x(), 0.0f);
-        return hand.motion().pose.translation.x() > 0 ? limited(wrench, coupling) : Wrench{};
+        return hand.motion().pose.translation.x() > 0 ? clamp_to_limits(wrench, coupling) : Wrench{};
     };
     float contact_speed = 0;
     for (int i = 0; i < static_cast<int>(3.0f / GetParam()); ++i) {
@@ -161,9 +161,9 @@ TEST_P(HandStep, PressedAgainstASpringWallRestsInBalance) {
     EXPECT_LT(contact_speed, 1e-4f) << "the hand rattles on the wall";
 }
 
-TEST_P(HandStep, FollowsASteadyMoveWithoutLaggingBehindTheGrip) {
-    // Hand damping acts against the goal's velocity, so in steady motion only the device's own damping
-    // and friction hold the hand back: lag = (b v + F) / k.
+TEST_P(HandStep, SteadyLagExcludesHandDamping) {
+    // Hand damping acts against the goal's velocity, so in steady motion only the device's own damping and
+    // friction hold the hand back: lag = (b v + F) / k.
     const HandSettings settings;
     const float speed = 0.05f;
     HandDevice hand(settings, at(0));
@@ -173,8 +173,8 @@ TEST_P(HandStep, FollowsASteadyMoveWithoutLaggingBehindTheGrip) {
         hand.step(at(goal), {}, GetParam());
     }
     const float lag = (settings.device_damping * speed + settings.friction) / settings.hand_stiffness;
-    // Backward Euler is exact for a steady motion but counts the spring at the step's end; rounding of a
-    // position of 0.1 m is 7e-9 m, and of a speed taken as a difference 7e-9 / dt.
+    // Backward Euler is exact for steady motion but evaluates the spring at the step's end; rounding of a
+    // position of 0.1 m is 7e-9 m, and of a finite-difference speed 7e-9 / dt.
     EXPECT_NEAR(goal - hand.motion().pose.translation.x(), lag, 0.05f * lag + 1e-6f);
 }
 
@@ -182,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, HandStep, testing::Values(0.25e-3f, 1e-3f, 2e-3f
     return std::to_string(static_cast<int>(std::lround(step.param * 1e6f))) + "us";
 });
 
-TEST(Hand, ReportsWhatItsEncodersCanTell) {
+TEST(Hand, ReportsAtEncoderResolution) {
     HandSettings settings;
     HandDevice hand(settings, at(0.0123456f));
     const float reported = hand.reported().translation.x();
@@ -192,7 +192,7 @@ TEST(Hand, ReportsWhatItsEncodersCanTell) {
     EXPECT_EQ(HandDevice(settings, at(0.0123456f)).reported().translation.x(), 0.0123456f);
 }
 
-TEST(Hand, OneBadSampleDoesNotStay) {
+TEST(Hand, RecoversFromABadSample) {
     const float bad = std::numeric_limits<float>::quiet_NaN();
     HandDevice hand(HandSettings{}, at(0));
     hand.step(at(bad), {}, 1e-3f);

@@ -38,7 +38,7 @@ std::string refusal(const std::function<void()>& action) {
     return "accepted";
 }
 
-TEST_F(Hdf5, NumbersTextsAndAttributesComeBack) {
+TEST_F(Hdf5, NumbersTextsAndAttributesRoundTrip) {
     std::vector<double> large(300000);
     std::iota(large.begin(), large.end(), 0.5);
     const std::vector<std::string> texts{"trachea", "", "µ"};
@@ -68,7 +68,7 @@ TEST_F(Hdf5, NumbersTextsAndAttributesComeBack) {
     EXPECT_FALSE(group.is_group("large"));
 }
 
-TEST_F(Hdf5, RefusalsNameFilePlaceAndFinding) {
+TEST_F(Hdf5, ErrorsNameFilePlaceAndFinding) {
     {
         File file = File::create(path);
         const Group group = file.root().create("group");
@@ -98,7 +98,7 @@ TEST_F(Hdf5, RefusalsNameFilePlaceAndFinding) {
     expect([&] { (void)File::open(folder, Access::read); }, {folder.string(), "not a regular file"});
 }
 
-TEST_F(Hdf5, AStatedSizeBeyondReasonIsRefusedBeforeMemoryIsTaken) {
+TEST_F(Hdf5, ExcessiveSizeIsRefusedBeforeAllocation) {
     {
         File file = File::create(path);
         // 2^40 rows, none of them written: the file stays small.
@@ -132,12 +132,12 @@ TEST_F(Hdf5, MeshesAndSkinsAreCheckedWhenRead) {
     EXPECT_NE(reread().find("/vertices: value 8 is not finite"), std::string::npos);
 }
 
-TEST_F(Hdf5, AFailedSystemCallIsToldInItsOwnWords) {
+TEST_F(Hdf5, SystemCallErrorIsReportedVerbatim) {
     {
         File file = File::create(path);
         file.close();
     }
-    // A program in the way: the kernel refuses to open a running program for writing.
+    // A path that cannot be written: the kernel does not open a running program for writing.
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
     const Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     EXPECT_LT(H5Fopen(program.c_str(), H5F_ACC_RDWR, properties.get()), 0);

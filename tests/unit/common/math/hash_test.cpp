@@ -22,7 +22,7 @@ TEST(Hash, GivesThePublishedValues) {
     EXPECT_EQ(of("foobar"), 0x85944171f73967e8ULL);
 }
 
-TEST(Hash, GoesOverBytesInOrder) {
+TEST(Hash, IsIndependentOfPartition) {
     Hash apart;
     apart.add(std::string_view("foo"));
     const std::array<char, 3> bar{'b', 'a', 'r'};

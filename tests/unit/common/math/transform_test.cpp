@@ -10,7 +10,7 @@
 namespace eti {
 namespace {
 
-TEST(Interpolate, GoesAlongALineAndTurnsEvenly) {
+TEST(Interpolate, IsLinearWithConstantTurnRate) {
     const float quarter = std::numbers::pi_v<float> / 2.0f;
     const RigidTransform from;
     const RigidTransform to{quaternion_from({0, 0, quarter}), {0.1f, 0, -0.2f}};
@@ -20,7 +20,7 @@ TEST(Interpolate, GoesAlongALineAndTurnsEvenly) {
     EXPECT_LT((interpolate(from, to, 1.0f).translation - to.translation).norm(), 1e-8f);
 }
 
-TEST(IsRigid, AsksForFiniteNumbersAndARotation) {
+TEST(IsRigid, RequiresFiniteValuesAndUnitQuaternion) {
     const float none = std::numeric_limits<float>::quiet_NaN();
     const float endless = std::numeric_limits<float>::infinity();
     EXPECT_TRUE(is_rigid({}));

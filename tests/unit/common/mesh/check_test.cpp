@@ -14,7 +14,7 @@ namespace {
 // here, so only double rounding remains.
 TEST(MeshCheck, OctahedronIsSound) {
     const MeshReport report = check(test::octahedron(0.5f));
-    EXPECT_TRUE(report.sound()) << report.describe();
+    EXPECT_TRUE(report.is_valid()) << report.describe();
     EXPECT_EQ(report.vertices, 6u);
     EXPECT_EQ(report.components, 1u);
     EXPECT_EQ(report.euler_characteristic, 2);
@@ -28,7 +28,7 @@ TEST(MeshCheck, FindsAHole) {
     const MeshReport report = check(mesh);
     EXPECT_EQ(report.open_edges, 3u);
     EXPECT_EQ(report.euler_characteristic, 1);
-    EXPECT_FALSE(report.sound());
+    EXPECT_FALSE(report.is_valid());
 }
 
 TEST(MeshCheck, FindsATurnedTriangle) {
@@ -44,7 +44,7 @@ TEST(MeshCheck, FindsADegenerateTriangle) {
     EXPECT_EQ(check(mesh).degenerate_triangles, 2u);
 }
 
-TEST(MeshCheck, TellsWhereAFaultLies) {
+TEST(MeshCheck, LocatesTheFault) {
     TriangleMesh mesh = test::octahedron(1.0f);
     EXPECT_FALSE(check(mesh).fault_at);
     const Triangle hole = mesh.triangles.back();
@@ -55,7 +55,7 @@ TEST(MeshCheck, TellsWhereAFaultLies) {
                 *place == mesh.vertices[hole[2]]);
 }
 
-TEST(MeshCheck, FindsAFinOnAnEdge) {
+TEST(MeshCheck, FindsANonManifoldEdge) {
     TriangleMesh mesh = test::octahedron(1.0f);
     mesh.vertices.push_back(Vec3f(2.0f, 2.0f, 2.0f));
     mesh.triangles.push_back({0, 2, 6});
@@ -64,7 +64,7 @@ TEST(MeshCheck, FindsAFinOnAnEdge) {
     EXPECT_EQ(report.open_edges, 2u);
 }
 
-// Two octahedra that share only a vertex: every edge is fine, the vertex is not.
+// Two octahedra that share only a vertex: all edges are manifold, the vertex is not.
 TEST(MeshCheck, FindsAPinchedVertex) {
     TriangleMesh mesh = test::octahedron(1.0f);
     const TriangleMesh other = test::octahedron(1.0f);
@@ -85,8 +85,8 @@ TEST(MeshCheck, FindsAPinchedVertex) {
     EXPECT_EQ(report.components, 1u);
 }
 
-// Two octahedra pushed into each other along x by less than a half diagonal, and turned out of
-// symmetry so that no edge meets another: they must cross, and must not once they are apart.
+// Two octahedra that interpenetrate along x by less than a half diagonal, rotated out of symmetry so that no
+// edges meet: they must intersect, and must not once they are apart.
 TEST(MeshCheck, FindsCrossingTriangles) {
     for (const float gap : {1.37f, 2.01f}) {
         TriangleMesh mesh = test::octahedron(1.0f);
@@ -103,8 +103,8 @@ TEST(MeshCheck, FindsCrossingTriangles) {
     }
 }
 
-// The reference is every pair tested against every other, without the search's cells.
-TEST(MeshCheck, CellSearchFindsWhatBruteForceFinds) {
+// The reference tests every pair of triangles, without the search's cells.
+TEST(MeshCheck, CellSearchMatchesBruteForce) {
     TriangleMesh mesh;
     std::uint32_t state = 12345;
     const auto next = [&state] {
@@ -139,7 +139,7 @@ TEST(MeshCheck, CellSearchFindsWhatBruteForceFinds) {
     ASSERT_GT(expected.size(), 20u);
     EXPECT_EQ(self_intersections(mesh), expected);
 
-    // Asked for some triangles only.
+    // Query for some triangles only.
     std::vector<std::uint8_t> asked(mesh.triangles.size(), 0);
     for (std::size_t i = 0; i < asked.size(); i += 7) {
         asked[i] = 1;

@@ -66,25 +66,26 @@ TEST(DistanceGridTest, SphereWithinInterpolationBound) {
     }
 }
 
-// The gradient and the bends are those of the distance itself, by differences, and change steadily where the
-// trilinear gradient jumps: at the faces of cells.
-TEST(DistanceGridTest, SteadyDistanceHasItsOwnDerivatives) {
+// Gradient and second derivatives are those of the distance itself, by finite differences, and are continuous
+// at the faces of cells, where the trilinear gradient jumps.
+TEST(DistanceGridTest, SmoothDistanceMatchesItsDerivatives) {
     const test::Sphere sphere;
     const float h = 0.0005f;
     const DistanceGrid grid = test::sample_grid(sphere, sphere.half_extent, h);
     constexpr float way = 2e-5f;
     for (int i = 0; i < 500; ++i) {
         const Vec3f p = sphere.centre + 0.0098f * direction_of(i);
-        const SteadyDistance steady = grid.steady(p);
-        // Two axes of curvature k, each of which shifts it by k h^2 / 8.
+        const SplineDistance steady = grid.spline_sample(p);
+        // Two axes of curvature k, each of which shifts the distance by k h^2 / 8.
         ASSERT_NEAR(steady.distance, sphere(p) + 2.0f * h * h / (8.0f * 0.0098f), 1e-7f);
-        // Float32 of distances about 1e-3, over 2 way; a bend changes by its own size within a cell.
+        // Float32 of distances about 1e-3, over 2 way; a second derivative changes by its own size within a
+        // cell.
         for (Eigen::Index axis = 0; axis < 3; ++axis) {
             const Vec3f to = way * Vec3f::Unit(axis);
-            const SteadyDistance ahead = grid.steady(p + to);
-            const SteadyDistance behind = grid.steady(p - to);
+            const SplineDistance ahead = grid.spline_sample(p + to);
+            const SplineDistance behind = grid.spline_sample(p - to);
             ASSERT_NEAR(steady.gradient[axis], (ahead.distance - behind.distance) / (2.0f * way), 2e-4f);
-            // 1 / 0.0098 m is the bend; a jump in the gradient would be h times that, 0.05.
+            // The second derivative is 1 / 0.0098 m; a jump in the gradient would be h times that, 0.05.
             ASSERT_LT((ahead.gradient - behind.gradient).norm(), 2.0f * way * 1.5f / 0.0098f);
         }
     }
@@ -115,10 +116,9 @@ class Redistance : public testing::Test {};
 using Shapes = testing::Types<test::Sphere, test::Torus>;
 TYPED_TEST_SUITE(Redistance, Shapes);
 
-// The field is bent far from a distance: s (1 + s / w)^3-like growth, gradient 1/3 to 4 over the band. Its
-// linear interpolation misplaces the zero by at most |f''| h^2 / 8 / |f'| per edge of length
-// sqrt(3) h: with f'' / f' = 2 / w + curvature that is 3/8 h^2 (2 / w + k); chords add 3/8 k h^2, the
-// clearance 0.035 h.
+// The field is far from a distance: growth like s (1 + s / w)^3, gradient 1/3 to 4 over the band. Linear
+// interpolation misplaces the zero by at most |f''| h^2 / 8 / |f'| per edge of length sqrt(3) h. With f'' /
+// f' = 2 / w + curvature that is 3/8 h^2 (2 / w + k); chords add 3/8 k h^2, the clearance 0.035 h.
 TYPED_TEST(Redistance, RecoversDistancesFromABentField) {
     const TypeParam shape;
     const float h = 0.0005f;
@@ -133,7 +133,7 @@ TYPED_TEST(Redistance, RecoversDistancesFromABentField) {
     const DistanceGrid grid = redistance(field, band);
     const float curvature = std::is_same_v<TypeParam, test::Torus> ? 1.0f / 0.003f : 1.0f / 0.010f;
     const float bound = 0.375f * h * h * (2.0f / width + 2.0f * curvature) + 0.035f * h;
-    // A tenth of a spacing is what contact asks for where the airway's walls are smooth.
+    // Contact requires a tenth of a spacing where the airway's walls are smooth.
     EXPECT_LT(bound, 0.2f * h);
     float worst = 0.0f;
     double squares = 0.0;
@@ -152,11 +152,11 @@ TYPED_TEST(Redistance, RecoversDistancesFromABentField) {
     EXPECT_LT(std::sqrt(squares / count), 0.1 * double{h});
 }
 
-// Distance to a mesh's own triangles needs no model of the surface: brute force over all triangles is
-// the reference. Within a spacing every triangle that could be closest has been tried, so only float32
-// rounding of centimetre coordinates remains (1e-9 m, squared and summed: 1e-8 m). Farther off,
-// triangles come from neighbouring nodes, which may miss the very closest one: next to the tube's
-// centre line, where it jumps, by less than a tenth of a spacing, which is what contact asks for.
+// Distance to a mesh's own triangles needs no model of the surface: the reference is brute force over all
+// triangles. Within a spacing, every candidate triangle is tested, so only float32 rounding of centimetre
+// coordinates remains (1e-9 m, squared and summed: 1e-8 m). Farther away, candidates come from neighbouring
+// nodes, which may miss the closest triangle. Next to the tube's centre line, where it jumps, the error is
+// below a tenth of a spacing, the accuracy that contact requires.
 TEST(MeshDistance, AgreesWithBruteForce) {
     const test::Torus torus;
     const TriangleMesh mesh = isosurface(test::sample_grid(torus, torus.half_extent, 0.001f), 0.0f);

@@ -16,10 +16,10 @@ class Simplify : public testing::Test {};
 using Shapes = testing::Types<test::Sphere, test::Torus>;
 TYPED_TEST_SUITE(Simplify, Shapes);
 
-// n equilateral triangles of area A / n on a surface of principal radii r: circumradius c with
-// c^2 = 4 A / (3 sqrt(3) n), sagitta c^2 / 2r. Vertices follow the planes of the original, hence lie
-// outside the surface by at most one such sagitta while chords lie inside by one; triangles stretched
-// along the lesser curvature reach further, hence the factor two. Volume error: area times that depth.
+// n equilateral triangles of area A / n on a surface of principal radii r: circumradius c with c^2 = 4 A / (3
+// sqrt(3) n), sagitta c^2 / 2r. Vertices follow the planes of the original, hence lie outside the surface by
+// at most one such sagitta, while chords lie inside by one. Triangles stretched along the lesser curvature
+// reach further, hence the factor two. Volume error: area times that depth.
 TYPED_TEST(Simplify, KeepsManifoldTopologyAndVolume) {
     const TypeParam shape;
     const TriangleMesh fine = isosurface(test::sample_grid(shape, shape.half_extent, 0.0004f), 0.0f);
@@ -27,7 +27,7 @@ TYPED_TEST(Simplify, KeepsManifoldTopologyAndVolume) {
     for (const std::size_t budget : {4000u, 1000u, 400u}) {
         const TriangleMesh coarse = simplify(fine, {.triangles = budget});
         const MeshReport report = check(coarse);
-        EXPECT_TRUE(report.sound()) << report.describe();
+        EXPECT_TRUE(report.is_valid()) << report.describe();
         EXPECT_EQ(report.euler_characteristic, TypeParam::euler_characteristic);
         EXPECT_LE(report.triangles, budget);
         EXPECT_GE(report.triangles, budget - 2);
@@ -39,13 +39,13 @@ TYPED_TEST(Simplify, KeepsManifoldTopologyAndVolume) {
 }
 
 TEST(SimplifyPlanes, CubeKeepsItsCornersExactly) {
-    // Nodes lie half a spacing off the faces: cells cut flat faces, and only edges and corners are
-    // rounded, by at most half a spacing. Planes then cost nothing and the budget goes to the edges.
+    // Nodes lie half a spacing off the faces: cells cut flat faces, and only edges and corners are rounded,
+    // by at most half a spacing. Planes then cost nothing and the budget goes to the edges.
     const auto cube = [](const Vec3f& p) { return p.cwiseAbs().maxCoeff() - 0.01025f; };
     const TriangleMesh fine = isosurface(test::sample_grid(cube, 0.0125f, 0.0005f), 0.0f);
     const TriangleMesh coarse = simplify(fine, {.triangles = 300});
     const MeshReport report = check(coarse);
-    EXPECT_TRUE(report.sound()) << report.describe();
+    EXPECT_TRUE(report.is_valid()) << report.describe();
     // Bevels of the field's sampling cut the 12 edges (0.0205 m long) by at most half a square spacing.
     const double bevels = 12 * 0.0205 * 0.5 * 0.0005 * 0.0005;
     EXPECT_NEAR(report.volume, std::pow(0.0205, 3), bevels);
@@ -69,7 +69,7 @@ TEST(SimplifyWeights, ImportanceMakesTrianglesSmaller) {
     const double share = static_cast<double>(important) / static_cast<double>(coarse.triangles.size());
     EXPECT_GT(share, 0.72);
     EXPECT_LT(share, 0.90);
-    EXPECT_TRUE(check(coarse).sound());
+    EXPECT_TRUE(check(coarse).is_valid());
 }
 
 TEST(SimplifyLimits, MaxErrorStopsBeforeTheBudget) {
@@ -96,11 +96,11 @@ TEST(SimplifyLimits, OpenBorderStays) {
     EXPECT_EQ(after.components, before.components);
 }
 
-// A tetrahedron has no edge that may go.
-TEST(SimplifyLimits, NothingCollapsesToNothing) {
+// A tetrahedron has no edge that can be collapsed.
+TEST(SimplifyLimits, ClosedMeshKeepsATetrahedron) {
     const TriangleMesh mesh = simplify(test::octahedron(0.01f), {.triangles = 0});
     const MeshReport report = check(mesh);
-    EXPECT_TRUE(report.sound()) << report.describe();
+    EXPECT_TRUE(report.is_valid()) << report.describe();
     EXPECT_EQ(report.euler_characteristic, 2);
     EXPECT_GE(report.triangles, 4u);
 }

@@ -9,7 +9,7 @@
 namespace eti {
 namespace {
 
-TEST(HasMoved, CountsFromTheQuantaOn) {
+TEST(HasMoved, IsTrueBeyondTheThreshold) {
     const FramePose rest;
     FramePose now = rest;
     EXPECT_FALSE(has_moved(rest, now));
@@ -23,7 +23,7 @@ TEST(HasMoved, CountsFromTheQuantaOn) {
     EXPECT_TRUE(has_moved(rest, now));
 }
 
-TEST(HasMoved, SaysSoOfAFrameWithNaN) {
+TEST(HasMoved, IsTrueForNanFrame) {
     const float none = std::numeric_limits<float>::quiet_NaN();
     EXPECT_TRUE(has_moved({}, {Vec3f(none, 0, 0), Quatf::Identity()}));
     EXPECT_TRUE(has_moved({}, {Vec3f::Zero(), Quatf(none, 0, 0, 0)}));

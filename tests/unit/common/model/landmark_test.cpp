@@ -32,14 +32,14 @@ float off_line(const Vec3f& point, const Vec3f& a, const Vec3f& b) {
 
 TEST(Landmark, NamesAndOrderAgree) {
     for (std::size_t i = 0; i < landmark_count; ++i) {
-        EXPECT_EQ(landmark_named(landmark_names[i]), static_cast<Landmark>(i));
+        EXPECT_EQ(find_landmark(landmark_names[i]), static_cast<Landmark>(i));
     }
-    EXPECT_FALSE(landmark_named("uvula"));
+    EXPECT_FALSE(find_landmark("uvula"));
 }
 
 TEST(BestEye, LooksJustUnderTheUpperGum) {
-    // 24 mm between the gums: the line passes a third of that, 8 mm, from the upper gum, less the cosine
-    // of the angle between the gap and the line's normal: gum and lip held over it stand out as far.
+    // 24 mm between the gums: the line passes a third of that, 8 mm, from the upper gum, less the cosine of
+    // the angle between the gap and the line's normal. A lip held over the gum protrudes by as much.
     const Landmarks points = newborn();
     const Vec3f glottis = at(points, Landmark::glottis);
     const Vec3f gum = at(points, Landmark::upper_gum);
@@ -51,7 +51,7 @@ TEST(BestEye, LooksJustUnderTheUpperGum) {
     EXPECT_LT(off_line(gum + gap / 3, glottis, best_eye(points)), 1e-6f);
 }
 
-TEST(BestEye, StandsAtTheDistanceBeyondTheGum) {
+TEST(BestEye, IsAtGivenDistanceBeyondTheGum) {
     const Landmarks points = newborn();
     const Vec3f glottis = at(points, Landmark::glottis);
     const float gum = (at(points, Landmark::upper_gum) - glottis).norm();
@@ -60,8 +60,11 @@ TEST(BestEye, StandsAtTheDistanceBeyondTheGum) {
     EXPECT_NEAR((best_eye(points, 0.1f) - glottis).norm(), gum + 0.1f, 8e-3f);
 }
 
-TEST(BestEye, IsFiniteWhileLandmarksAreMissing) {
-    EXPECT_TRUE(best_eye(at_origin()).allFinite());
+// Landmarks of a patient that has not arrived coincide, and no direction leads from the glottis to the gum.
+TEST(BestEye, IsAtTheGumWhileLandmarksCoincide) {
+    Landmarks points;
+    points.fill(Vec3f(0.1f, 0.2f, 0.3f));
+    EXPECT_LT((best_eye(points) - Vec3f(0.1f, 0.2f, 0.3f)).norm(), 1e-6f);
 }
 
 }  // namespace

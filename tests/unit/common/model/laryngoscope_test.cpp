@@ -6,31 +6,31 @@
 #include <cmath>
 
 #include "common/mesh/check.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti {
 namespace {
 
-class LaryngoscopeOf : public testing::TestWithParam<Blade> {
+class LaryngoscopeBlades : public testing::TestWithParam<Blade> {
   protected:
     Laryngoscope scope_ = make_laryngoscope(GetParam());
     TriangleMesh mesh_ = laryngoscope_mesh(scope_);
 };
 
-TEST_P(LaryngoscopeOf, TipOfTheCapsuleIsTheTipOfTheBlade) {
+TEST_P(LaryngoscopeBlades, CapsuleTipIsTheBladeTip) {
     const Capsule& distal = scope_.capsules[2];
     EXPECT_NEAR(distal.b.z() + distal.radius, scope_.blade_length, 1e-7f);
     EXPECT_NEAR(scope_.tip().z(), scope_.blade_length, 1e-7f);
 }
 
-TEST_P(LaryngoscopeOf, SurfaceIsSoundAndInOnePiece) {
+TEST_P(LaryngoscopeBlades, SurfaceIsSoundAndConnected) {
     const MeshReport report = check(mesh_);
-    EXPECT_TRUE(report.sound()) << report.describe();
+    EXPECT_TRUE(report.is_valid()) << report.describe();
     EXPECT_EQ(report.components, 1u);
     EXPECT_EQ(report.euler_characteristic, 2);
 }
 
-TEST_P(LaryngoscopeOf, VolumeIsThatOfHandleAndPlate) {
+TEST_P(LaryngoscopeBlades, VolumeMatchesHandleAndPlate) {
     // Handle: a cylinder of radius 9 mm from 24 to 126 mm; heel and plate add, the rounded edge takes less.
     const double handle = 3.14159265 * 0.009 * 0.009 * 0.102;
     // Plate and flange: at most 10 mm by 1.5 mm plus 2.5 mm by 1.2 mm over the blade's length; neck and heel
@@ -41,7 +41,7 @@ TEST_P(LaryngoscopeOf, VolumeIsThatOfHandleAndPlate) {
     EXPECT_LT(volume, handle + rest);
 }
 
-TEST_P(LaryngoscopeOf, EndsAtTheTip) {
+TEST_P(LaryngoscopeBlades, EndsAtTheTip) {
     float tip = 0;
     for (const Vec3f& v : mesh_.vertices) {
         tip = std::max(tip, v.z());
@@ -49,7 +49,7 @@ TEST_P(LaryngoscopeOf, EndsAtTheTip) {
     EXPECT_NEAR(tip, scope_.blade_length, 1e-6f);
 }
 
-TEST_P(LaryngoscopeOf, ChannelBeneathThePlateIsOpen) {
+TEST_P(LaryngoscopeBlades, ChannelBeneathThePlateIsOpen) {
     // Lines that the eye and the tube use: along the blade, right of the flange and beneath the plate's
     // lower face, which lies 1.5 mm of plate and 1.2 mm of crown below the capsule's surface.
     for (const Vec3f& v : mesh_.vertices) {
@@ -64,7 +64,7 @@ TEST_P(LaryngoscopeOf, ChannelBeneathThePlateIsOpen) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Blades, LaryngoscopeOf, testing::Values(Blade::miller_0, Blade::miller_1),
+INSTANTIATE_TEST_SUITE_P(Blades, LaryngoscopeBlades, testing::Values(Blade::miller_0, Blade::miller_1),
                          [](const auto& blade) {
                              return blade.param == Blade::miller_0 ? "Miller0" : "Miller1";
                          });

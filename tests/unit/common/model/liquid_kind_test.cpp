@@ -7,7 +7,7 @@
 namespace eti {
 namespace {
 
-TEST(LiquidKind, IsWhatItsNameSays) {
+TEST(LiquidKind, NameRoundTrips) {
     for (const LiquidKind kind : {LiquidKind::saliva, LiquidKind::blood}) {
         EXPECT_EQ(liquid_kind_named(name_of(kind)), kind);
     }
@@ -17,7 +17,7 @@ TEST(LiquidKind, IsWhatItsNameSays) {
 
 // Reference: Wesolowski & Mlynarczak 2019, 30 healthy subjects at 37 degrees: 1063.56 kg/m^3,
 // 3.352 +- 0.360 mPa s, 52.41 +- 2.62 mN/m.
-TEST(LiquidKind, BloodIsWithinWhatWasMeasured) {
+TEST(LiquidKind, BloodIsWithinMeasuredRange) {
     const LiquidProperties& blood = properties_of(LiquidKind::blood);
     EXPECT_NEAR(blood.density, 1063.56f, 1.0f);
     EXPECT_NEAR(blood.viscosity * blood.density, 3.352e-3f, 0.360e-3f);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/model/tube_end.hpp"
+#include "common/model/tools/tube_end.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr float radius = 2e-3f;  // [m]
 
-TEST(TubeEnd, LeadsBackBeyondTheBevel) {
+TEST(TubeEnd, StartsBehindTheBevel) {
     // Down the patient, nearly straight: its concave side is anterior (-y), its left the patient's left (+x).
     std::vector<Vec3f> nodes;
     for (int i = 0; i <= 40; ++i) {
@@ -33,7 +33,7 @@ TEST(TubeEnd, LeadsBackBeyondTheBevel) {
     EXPECT_TRUE(cut_off({0, -radius, radius - 0.05e-3f}));
 }
 
-TEST(TubeEnd, OfAShortTubeIsAllOfIt) {
+TEST(TubeEnd, SpansWholeShortTube) {
     const std::vector<Vec3f> nodes{{0, 0, 0}, {0, 0, -1e-3f}, {0, 0, -2e-3f}};
     const std::optional<TubeEnd> end = tube_end(nodes, radius);
     ASSERT_TRUE(end);
@@ -41,7 +41,7 @@ TEST(TubeEnd, OfAShortTubeIsAllOfIt) {
     EXPECT_EQ(end->nodes, 0u);
 }
 
-TEST(TubeEnd, IsNoneWithoutATube) {
+TEST(TubeEnd, IsEmptyWithoutATube) {
     EXPECT_FALSE(tube_end({}, radius));
     EXPECT_FALSE(tube_end(std::vector<Vec3f>{{0, 0, 1}}, radius));
     EXPECT_FALSE(tube_end(std::vector<Vec3f>(5, Vec3f(0, 0, 1)), radius));

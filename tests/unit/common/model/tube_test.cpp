@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti {
 namespace {
@@ -15,7 +15,7 @@ TEST(Tube, OuterDiametersOfTheThreeNewbornSizes) {
     EXPECT_NEAR(outer_diameter_of(3.5e-3f), 4.9e-3f, 1e-8f);
 }
 
-TEST(Tube, BendingStiffnessIsThatOfARing) {
+TEST(Tube, BendingStiffnessMatchesAnnularSection) {
     // Second moment of area about a diameter by integrating y^2 dA over the ring; the midpoint rule in
     // radius with n rings errs by (b-a)^3 max|f''| / (24 n^2), here below 1e-6 of the value.
     Tube tube;
@@ -30,7 +30,7 @@ TEST(Tube, BendingStiffnessIsThatOfARing) {
     EXPECT_NEAR(static_cast<double>(tube.bending_stiffness()) / (15e6 * moment), 1.0, 4e-6);
 }
 
-TEST(Tube, PolyvinylchlorideGivesThePublishedRange) {
+TEST(Tube, PvcStiffnessIsInPublishedRange) {
     // 10-20 MPa give 0.6-1.3, 1.1-2.3 and 2.1-4.2 x 1e-4 N m^2 for 2.5, 3.0 and 3.5 mm, rounded to one
     // decimal.
     const float low[] = {0.6e-4f, 1.1e-4f, 2.1e-4f};

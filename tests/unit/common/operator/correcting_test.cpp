@@ -9,7 +9,7 @@
 namespace eti {
 namespace {
 
-// A blade that something pushes off from where the hand wants it [m].
+// A blade that is displaced from the hand's goal [m].
 class Leaning : public Playing {
   protected:
     void press(const Vec3f& pushed_off, double seconds) {
@@ -35,7 +35,7 @@ class Leaning : public Playing {
     [[nodiscard]] Vec3f left() const { return pose_.rotation * Vec3f::UnitX(); }
 };
 
-TEST_F(Leaning, BringsTheTipBackToWhereItIsWanted) {
+TEST_F(Leaning, ReturnsTheTipToItsTarget) {
     press({3e-3f, 0, 0}, 5);
     EXPECT_NEAR(leaning(), -3e-3f, 1e-4f);
     EXPECT_LT(elsewhere(), 1e-5f);
@@ -46,17 +46,17 @@ TEST_F(Leaning, IsBounded) {
     EXPECT_NEAR(leaning(), 5e-3f, 1e-5f);
 }
 
-TEST_F(Leaning, GivesWayToTissueInAllOtherDirections) {
+TEST_F(Leaning, IsCompliantInOtherDirections) {
     press({0, 4e-3f, 6e-3f}, 5);
     EXPECT_LT(std::abs(leaning()) + elsewhere(), 1e-4f);
 }
 
-TEST_F(Leaning, IsNotMisledByABladeThatIsNotInTheHand) {
+TEST_F(Leaning, IgnoresBladeFarFromTheHand) {
     press({30e-3f, 0, 0}, 5);
     EXPECT_LT(std::abs(leaning()), 1e-5f);
 }
 
-// A curved tube whose tip something holds off from where the hand aims it.
+// A curved tube whose tip is displaced from the hand's aim.
 class Steering : public Playing {
   protected:
     static constexpr float bend = 1 / 0.07f;  // [1/m]
@@ -95,7 +95,7 @@ class Steering : public Playing {
     }
     [[nodiscard]] Vec3f tube_tip() const { return along_tube(length).translation; }
 
-    // [m], of the tip that is seen from the line through the glottis into the trachea.
+    // [m], of the visible tip from the line through the glottis into the trachea.
     [[nodiscard]] float aside() const {
         const Vec3f& glottis = landmark(Landmark::glottis);
         const Vec3f line = (landmark(Landmark::trachea_mid) - glottis).normalized();
@@ -115,7 +115,7 @@ class Steering : public Playing {
     Vec3f held_off_ = Vec3f::Zero();
 };
 
-TEST_F(Steering, BringsTheTipThatIsSeenOntoTheLineIntoTheTrachea) {
+TEST_F(Steering, BringsSeenTipOntoTheTrachealAxis) {
     for (const Vec3f& held_off : {Vec3f(3e-3f, 0, 0), Vec3f(0, 3e-3f, 0), Vec3f(-2e-3f, -2e-3f, 1e-3f)}) {
         begin_tube(held_off);
         play_tube(8);
@@ -123,8 +123,8 @@ TEST_F(Steering, BringsTheTipThatIsSeenOntoTheLineIntoTheTrachea) {
     }
 }
 
-// By a factor of e each 0.3 s, as a hand that adds up what it sees.
-TEST_F(Steering, MakesUpForWhatItSeesAtItsRate) {
+// By a factor of e each 0.3 s, like a hand that integrates the visible error.
+TEST_F(Steering, CorrectsTheErrorAtItsRate) {
     begin_tube(Vec3f::Zero());
     play_tube(10);
     held_off_ = Vec3f(3e-3f, 0, 0);
@@ -135,7 +135,7 @@ TEST_F(Steering, MakesUpForWhatItSeesAtItsRate) {
     EXPECT_NEAR(aside() / before, std::exp(-1.0f), 0.05f);
 }
 
-TEST_F(Steering, TurnsTheTubeWhereItPassesTheLips) {
+TEST_F(Steering, PivotsTheTubeAtTheLips) {
     begin_tube(Vec3f::Zero());
     play_tube(8);
     const float straight = from_tube(landmark(Landmark::mouth_opening));
@@ -144,8 +144,8 @@ TEST_F(Steering, TurnsTheTubeWhereItPassesTheLips) {
     EXPECT_NEAR(from_tube(landmark(Landmark::mouth_opening)), straight, 5e-4f);
 }
 
-TEST_F(Steering, GoesOnOnlyOnceTheTipIsOnTheLine) {
-    begin_tube({30e-3f, 0, 0}, 5e-4f);  // more than steering makes up for
+TEST_F(Steering, AdvancesOnlyOnceTheTipIsAligned) {
+    begin_tube({30e-3f, 0, 0}, 5e-4f);  // more than steering compensates
     play_tube(20);
     EXPECT_FALSE(player_->finished());
     EXPECT_GT(aside(), 20e-3f);
@@ -161,9 +161,9 @@ TEST_F(Steering, IsBounded) {
     EXPECT_NEAR(aside(), 14e-3f - 8e-3f, 1e-3f);
 }
 
-// What it had to make up for fades while the tip comes to the lips, about which it turns: no faster than a
+// The accumulated correction decays while the tip moves to the lips, about which it turns: no faster than a
 // quick hand.
-TEST_F(Steering, DoesNotThrowTheTubeAboutOnItsWayOut) {
+TEST_F(Steering, LimitsTubeSpeedDuringWithdrawal) {
     Stage aim = stage_at(Landmark::glottis);
     aim.steer = true;
     aim.hold = 12;
@@ -188,7 +188,7 @@ TEST_F(Steering, DoesNotThrowTheTubeAboutOnItsWayOut) {
     }
 }
 
-TEST_F(Steering, LetsTheTracheaGuideWhatIsPastTheCords) {
+TEST_F(Steering, StopsCorrectingPastTheCords) {
     begin_tube({3e-3f, 0, 0});
     seen_.tube_depth_past_glottis = 1e-3f;
     play_tube(8);

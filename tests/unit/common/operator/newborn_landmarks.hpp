@@ -6,11 +6,11 @@
 
 namespace eti {
 
-/// Landmarks [m] of a term newborn ready for intubation in the patient frame (left, posterior, superior):
-/// head elevated by 26 deg, mouth open. At rest the upper gum is the origin, the glottis 40 mm behind and 31
-/// mm below it.
+/// Landmarks [m] of a term newborn positioned for intubation in the patient frame (left, posterior,
+/// superior): head elevated by 26 deg, mouth open. At rest the upper gum is the origin; the glottis lies 40
+/// mm behind and 31 mm below it.
 inline Landmarks newborn_landmarks() {
-    Landmarks points = unseen_landmarks();
+    Landmarks points = zero_landmarks();
     const auto set = [&](Landmark which, float posterior_mm, float superior_mm) {
         points[static_cast<std::size_t>(which)] = Vec3f(0.0f, 1e-3f * posterior_mm, 1e-3f * superior_mm);
     };

@@ -106,16 +106,16 @@ tube:
     EXPECT_FLOAT_EQ(script.tube.weight, 1.25f);
 }
 
-TEST(OperatorFile, NameComesFromTheFileWhereItHasNone) {
+TEST(OperatorFile, NameDefaultsToTheFileName) {
     EXPECT_EQ(parse_operator(stage, "folder/hand.yaml").name, "hand");
 }
 
-TEST(OperatorFile, UnknownLandmarkNamesThoseThereAre) {
+TEST(OperatorFile, UnknownLandmarkListsTheKnown) {
     EXPECT_TRUE(says(refusal(stage + "    tip: {at: uvula}\n"),
                      {"hand.yaml:3", "laryngoscope[0].tip.at", "'uvula'", "vallecula", "oesophagus_mid"}));
 }
 
-TEST(OperatorFile, MisspeltKeyGetsAGuess) {
+TEST(OperatorFile, MisspeltKeyGetsASuggestion) {
     EXPECT_TRUE(says(refusal(stage + "    speed_mm_pers: 30\n"),
                      {"hand.yaml:3", "speed_mm_pers", "did you mean 'speed_mm_per_s'?"}));
 }
@@ -139,7 +139,7 @@ TEST(OperatorFile, ContradictionsAreRefused) {
     EXPECT_TRUE(says(refusal(tube + past), {"blade_past_mm", "laryngoscope", "'tip'"}));
 }
 
-TEST(OperatorFile, AnAxisFromAPlaceToItselfIsRefused) {
+TEST(OperatorFile, AxisOfZeroLengthIsRefused) {
     EXPECT_TRUE(
         says(refusal(stage + "    axis: {from: glottis, to: glottis}\n"), {"hand.yaml:3", "to", "from"}));
     EXPECT_EQ(refusal(stage + "    axis: {from: glottis, from_offset_mm: [0, 0, 20], to: glottis}\n"), "");

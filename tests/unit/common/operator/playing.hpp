@@ -17,7 +17,7 @@ inline constexpr float length = 0.1f;
 inline constexpr float reaction = 0.2f;
 inline constexpr double dt = 1e-3;
 
-/// A track that is played for the landmarks of a newborn.
+/// Plays a track for the landmarks of a newborn.
 class Playing : public testing::Test {
   protected:
     // A stage that brings the tip to the vallecula along the line from the upper gum.
@@ -54,7 +54,7 @@ class Playing : public testing::Test {
         }
     }
 
-    // Until the stage of this name begins; false when it does not within a minute.
+    // Plays until the stage of this name begins; returns false when it does not within a minute.
     [[nodiscard]] bool play_until(const std::string& stage) {
         for (int i = 0; i < 60'000 && player_->stage_name() != stage; ++i) {
             step();

@@ -15,7 +15,7 @@ namespace {
 
 std::vector<std::filesystem::path> shipped() {
     std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(ETI_SOURCE_DIR "/deploy/operators")) {
+    for (const auto& entry : std::filesystem::directory_iterator(ETI_SOURCE_DIR "/deploy/data/operators")) {
         files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());
@@ -29,15 +29,14 @@ float depth_of(const Vec3f& tip, const Landmarks& points) {
 }
 
 struct Travel {
-    Eigen::AlignedBox3f grip;  ///< where the hand on the handle has been [m]
+    Eigen::AlignedBox3f grip;  ///< extent of the hand's positions on the handle [m]
     double time = 0;           ///< [s]
     float deepest_tip =
         -1;  ///< of the laryngoscope, along the superior-inferior axis below the upper gum [m]
     bool tube_gave_up = false;
 };
 
-// Both hands over landmarks that do not move. `view` [%] is what they see once the blade's tip is behind the
-// tongue.
+// Both hands over static landmarks. `view` [%] is their view once the blade's tip is behind the tongue.
 Travel perform(const OperatorScript& script, Blade blade, float view) {
     const float length = make_laryngoscope(blade).blade_length;
     const Tube tube;
@@ -51,7 +50,7 @@ Travel perform(const OperatorScript& script, Blade blade, float view) {
     while (!(left.finished() && right.finished()) && seen.time < 120) {
         const RigidTransform scope = left.wanted(seen);
         seen.proxy = scope;
-        // Where the hand holds the handle: 50 mm from the blade.
+        // Grip of the hand on the handle: 50 mm from the blade.
         travel.grip.extend(scope * Vec3f(0, 0.05f, 0));
         const Vec3f tip = scope * Vec3f(0, 0, length);
         travel.deepest_tip = std::max(travel.deepest_tip, gum.z() - tip.z());
@@ -61,11 +60,11 @@ Travel perform(const OperatorScript& script, Blade blade, float view) {
         seen.time += 0.005;
     }
     travel.time = seen.time;
-    travel.tube_gave_up = right.gave_up();
+    travel.tube_gave_up = right.aborted();
     return travel;
 }
 
-TEST(ShippedOperators, AreThere) {
+TEST(ShippedOperators, Exist) {
     std::vector<std::string> names;
     for (const auto& file : shipped()) {
         names.push_back(file.stem().string());
@@ -85,8 +84,8 @@ TEST(ShippedOperators, LoadUnderTheirOwnNames) {
 }
 
 // The workspace of the paper's device, 160 x 120 x 120 mm: width, height, depth. The device faces the
-// operator, who sits at the head of a patient on their back: its width lies along the patient's left-right
-// axis, its height along the anterior-posterior one, its depth along the superior-inferior one. It can be put
+// operator, who sits at the head of a supine patient. Its width lies along the patient's left-right axis, its
+// height along the anterior-posterior one, its depth along the superior-inferior one. It can be placed
 // anywhere, so only the extent of the travel counts.
 TEST(ShippedOperators, LaryngoscopeStaysInTheDevicesWorkspace) {
     for (const auto& file : shipped()) {
@@ -104,7 +103,7 @@ TEST(ShippedOperators, LaryngoscopeStaysInTheDevicesWorkspace) {
     }
 }
 
-TEST(ShippedOperators, EndWhetherTheySeeTheGlottisOrNot) {
+TEST(ShippedOperators, EndWithAndWithoutGlottisView) {
     for (const auto& file : shipped()) {
         const OperatorScript script = load_operator(file);
         for (const float view : {0.0f, 100.0f}) {
@@ -115,7 +114,7 @@ TEST(ShippedOperators, EndWhetherTheySeeTheGlottisOrNot) {
     }
 }
 
-TEST(ShippedOperators, ThoseWhoLookKeepTheTubeOutWhileTheySeeNothing) {
+TEST(ShippedOperators, VisualOperatorsDoNotAdvanceWithoutView) {
     for (const char* name : {"expert", "no_lift"}) {
         const OperatorScript script = load_operator(find_data_file(name, "operators"));
         EXPECT_TRUE(perform(script, Blade::miller_1, 0).tube_gave_up) << name;
@@ -125,9 +124,9 @@ TEST(ShippedOperators, ThoseWhoLookKeepTheTubeOutWhileTheySeeNothing) {
     EXPECT_FALSE(perform(blind, Blade::miller_1, 0).tube_gave_up);
 }
 
-// The control run differs from the expert in the lift alone, else it would prove nothing: without the stages
-// that lift or lower, both are the same.
-TEST(ShippedOperators, NoLiftIsTheExpertWithoutTheLift) {
+// The control run must differ from the expert in the lift alone, otherwise it proves nothing: without the
+// stages that lift or lower, both are the same.
+TEST(ShippedOperators, NoLiftDiffersFromExpertInLiftAlone) {
     const OperatorScript expert = load_operator(find_data_file("expert", "operators"));
     const OperatorScript control = load_operator(find_data_file("no_lift", "operators"));
     EXPECT_EQ(control.tremor, expert.tremor);

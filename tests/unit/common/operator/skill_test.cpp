@@ -29,9 +29,9 @@ tube:
     return s;
 }
 
-TEST(Skill, WhoHasAllOfItPlaysTheScriptAsItIsWritten) {
+TEST(Skill, FullSkillPlaysTheScriptUnchanged) {
     const OperatorScript written = script(1.0f);
-    const OperatorScript played = attempts_of(written, 5).front();
+    const OperatorScript played = make_attempts(written, 5).front();
     EXPECT_EQ(played.tremor, written.tremor);
     EXPECT_EQ(played.reaction, written.reaction);
     EXPECT_EQ(played.tube.steering, 1.0f);
@@ -46,18 +46,18 @@ TEST(Skill, WhoHasAllOfItPlaysTheScriptAsItIsWritten) {
     EXPECT_EQ(played.tube.stages[1].until_tube_depth, written.tube.stages[1].until_tube_depth);
 }
 
-TEST(Skill, IsDrawnFromTheSeedAlone) {
+TEST(Skill, VariationDependsOnSeedAlone) {
     const auto aim = [](std::uint64_t seed) -> Vec3f {
-        return attempts_of(script(0.5f), seed).front().laryngoscope.stages[0].tip_fixed_offset;
+        return make_attempts(script(0.5f), seed).front().laryngoscope.stages[0].tip_fixed_offset;
     };
     EXPECT_EQ(aim(3), aim(3));
     EXPECT_NE(aim(3), aim(4));
 }
 
-// What is drawn has the spread that the script asks for, and half of it at half the skill. References: an
-// aim's offset is the sum of two normal numbers, of path and of 0.3 path; a pause is exponential; the missing
-// share of the lift is the size of a normal number, which goes up to 1.
-TEST(Skill, StraysAsFarAsTheScriptSays) {
+// Samples have the script's spread, and half of it at half the skill. References: an aim's offset is the sum
+// of two normal numbers, of path and of 0.3 path; a pause is exponential; the missing share of the lift is
+// the absolute value of a normal number, limited to 1.
+TEST(Skill, VariationHasTheScriptsSpread) {
     constexpr int draws = 1500;
     const Variation by;
     for (const float skill : {0.0f, 0.5f}) {
@@ -65,13 +65,13 @@ TEST(Skill, StraysAsFarAsTheScriptSays) {
         double squares = 0, pauses = 0, levers = 0, depths = 0;
         for (int i = 0; i < draws; ++i) {
             const OperatorScript played =
-                attempts_of(script(skill), 100 + static_cast<std::uint64_t>(i)).front();
+                make_attempts(script(skill), 100 + static_cast<std::uint64_t>(i)).front();
             squares += std::pow(static_cast<double>(played.laryngoscope.stages[0].tip_fixed_offset.x()), 2);
             pauses += static_cast<double>(played.tube.stages[0].hold);
             levers += std::pow(static_cast<double>(played.laryngoscope.stages[1].pitch), 2);
             depths += std::pow(static_cast<double>(played.tube.stages[1].until_tube_depth) - 24e-3, 2);
         }
-        // Four standard errors: of a normal number's spread 1 / sqrt(2 n), of an exponential one's mean 1 /
+        // Four standard errors: for a normal number's spread 1 / sqrt(2 n), for an exponential one's mean 1 /
         // sqrt(n).
         const double of_spread = 4.0 / std::sqrt(2.0 * draws), of_mean = 4.0 / std::sqrt(draws);
         const double path = lack * static_cast<double>(by.path) * std::sqrt(1.09);
@@ -80,13 +80,13 @@ TEST(Skill, StraysAsFarAsTheScriptSays) {
                     static_cast<double>(by.pause) * of_mean);
         const double lever = lack * static_cast<double>(by.lever);
         EXPECT_NEAR(std::sqrt(levers / draws), lever, lever * of_spread);
-        // At no skill 5 % of the depths are cut off at 0.
+        // At no skill 5 % of the depths are clamped at 0.
         const double depth = lack * static_cast<double>(by.depth);
         EXPECT_NEAR(std::sqrt(depths / draws), depth, depth * (of_spread + (skill == 0.0f ? 0.05 : 0.0)));
     }
 }
 
-/// Plays a hand until it is done, with the other tool out of the mouth; how many attempts it made.
+/// Plays a hand until it is done, with the other tool out of the mouth; returns its number of attempts.
 std::size_t attempts_made(Tool tool, const OperatorScript& of, float depth_past_glottis,
                           double until = 200.0) {
     const float length = 0.1f;
@@ -105,7 +105,7 @@ std::size_t attempts_made(Tool tool, const OperatorScript& of, float depth_past_
     return player.attempt();
 }
 
-TEST(Skill, TriesAgainUntilTheTubeLiesInTheTrachea) {
+TEST(Skill, RetriesUntilTubeIsInTheTrachea) {
     for (const Tool tool : {Tool::laryngoscope, Tool::tube}) {
         EXPECT_EQ(attempts_made(tool, script(1.0f, 3), -0.02f), 3u);
         EXPECT_EQ(attempts_made(tool, script(0.3f, 3), -0.02f), 3u);
@@ -114,13 +114,13 @@ TEST(Skill, TriesAgainUntilTheTubeLiesInTheTrachea) {
     }
 }
 
-// A blade that stays in the mouth keeps the tube's hand from trying again, but not for ever.
-TEST(Skill, EndsWhenTheOtherHandDoesNotComeOut) {
+// A blade that stays in the mouth keeps the tube's hand from trying again, but only up to a time limit.
+TEST(Skill, EndsWhenOtherHandIsNotWithdrawn) {
     TrackPlayer player(script(1.0f, 3), Tool::tube, 0.1f, 0.0f, 1);
     Observation seen;
     seen.landmarks = newborn_landmarks();
     seen.tube_tip = at(seen.landmarks, Landmark::mouth_opening);
-    seen.proxy.translation = seen.tube_tip - Vec3f(0.0f, 0.0f, 0.09f);  // the blade's front within
+    seen.proxy.translation = seen.tube_tip - Vec3f(0.0f, 0.0f, 0.09f);  // the blade's front is inside
     for (; !player.finished() && seen.time < 120.0; seen.time += 5e-3) {
         (void)player.wanted(seen);
     }
@@ -128,12 +128,12 @@ TEST(Skill, EndsWhenTheOtherHandDoesNotComeOut) {
     EXPECT_EQ(player.attempt(), 1u);
 }
 
-TEST(Skill, TheTubeIsDrawnBackFirst) {
-    const std::vector<OperatorScript> attempts = attempts_of(script(1.0f, 2), 1);
+TEST(Skill, RetryWithdrawsTheTubeFirst) {
+    const std::vector<OperatorScript> attempts = make_attempts(script(1.0f, 2), 1);
     ASSERT_EQ(attempts.size(), 2u);
     EXPECT_LT(attempts[0].tube.stages.front().withdraw, 0.0f);
     EXPECT_GT(attempts[1].tube.stages.front().withdraw, 0.0f);
-    // From 60 mm within, along the tool, to 30 mm before the mouth opening; what is out stays.
+    // From 60 mm inside, along the tool, to 30 mm in front of the mouth opening; a tool outside stays.
     Track track;
     Stage in;
     in.name = "in";

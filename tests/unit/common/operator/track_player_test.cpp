@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 #include "tests/unit/common/operator/playing.hpp"
 
 namespace eti {
@@ -28,7 +28,7 @@ TEST_F(Playing, PutsTheTipAtTheLandmarkAndTheAxisOnTheLine) {
     EXPECT_TRUE(player_->finished());
     EXPECT_LT((tip() - target).norm(), rounding);
     EXPECT_LT((along() - line).norm(), 1e-5f);
-    // The tool's own left is, of all directions across the axis, the one nearest the patient's left; the
+    // Of all directions across the axis, the tool's own left is the one nearest the patient's left; the
     // handle then points anterior.
     const Vec3f left(1, 0, 0);
     const Vec3f across = pose_.rotation * Vec3f::UnitX();
@@ -49,14 +49,14 @@ TEST_F(Playing, AxisMayPointAtAnotherLandmark) {
               1e-5f);
 }
 
-TEST_F(Playing, RestsFortyMillimetresOutBeforeTheRun) {
+TEST_F(Playing, StartsFortyMillimetresBeforeItsTarget) {
     begin({stage_at(Landmark::vallecula)});
     const Vec3f start = tip();
     play(5);
     EXPECT_LT((start + 0.04f * along() - tip()).norm(), rounding);
 }
 
-TEST_F(Playing, MovesWithMinimumJerkAndNoFasterThanAsked) {
+TEST_F(Playing, MovesWithMinimumJerkWithinItsSpeed) {
     Stage stage = stage_at(Landmark::vallecula);
     stage.speed = 0.03f;
     begin({stage});
@@ -110,7 +110,7 @@ TEST_F(Playing, LiftsAlongTheHandleAndAdvancesAlongTheTool) {
     EXPECT_LT(handle().y(), 0) << "lifting goes anteriorly";
 }
 
-TEST_F(Playing, TurnsAboutTheTipRaiseItAndYawItLeft) {
+TEST_F(Playing, PitchAndYawPivotAboutTheTip) {
     Stage pitched = kept("pitch");
     pitched.pitch = 0.2f;
     Stage yawed = kept("yaw");
@@ -126,7 +126,7 @@ TEST_F(Playing, TurnsAboutTheTipRaiseItAndYawItLeft) {
     EXPECT_NEAR(along().x(), std::sin(0.1f), 1e-5f);  // the patient's left is +x
 }
 
-TEST_F(Playing, RockingOnTheGumKeepsTheGumsPlaceOnTheBlade) {
+TEST_F(Playing, RockingPivotsAboutTheGum) {
     Stage rocking = kept("rock");
     rocking.pitch = 0.35f;
     rocking.pivot_at_tip = false;
@@ -145,7 +145,7 @@ TEST_F(Playing, RockingOnTheGumKeepsTheGumsPlaceOnTheBlade) {
     EXPECT_NEAR(turned, 0.35f, 1e-4f);
 }
 
-TEST_F(Playing, AimsOnceUnlessToldToFollow) {
+TEST_F(Playing, AimsOnceUnlessFollowing) {
     for (const bool follow : {false, true}) {
         Stage stage = stage_at(Landmark::vallecula);
         stage.follow = follow;
@@ -156,12 +156,12 @@ TEST_F(Playing, AimsOnceUnlessToldToFollow) {
         const Vec3f aimed = landmark(Landmark::vallecula);
         seen_.landmarks[static_cast<std::size_t>(Landmark::vallecula)] += moved;
         play(3);
-        // Following: a low pass of 0.1 s is past thirty time constants.
+        // Following: a low pass of 0.1 s, after thirty time constants.
         EXPECT_LT((tip() - aimed - (follow ? moved : Vec3f(Vec3f::Zero()))).norm(), 2 * rounding);
     }
 }
 
-TEST_F(Playing, HoldsBeforeItGoesOn) {
+TEST_F(Playing, HoldsBeforeTheNextStage) {
     Stage stage = stage_at(Landmark::vallecula);
     stage.hold = 1.5f;
     begin({stage});
@@ -171,7 +171,7 @@ TEST_F(Playing, HoldsBeforeItGoesOn) {
     EXPECT_NEAR(seen_.time, 1.875 * 0.04 / 0.03 + 1.5, 2 * dt);
 }
 
-TEST_F(Playing, ReactsOnlyToWhatLasts) {
+TEST_F(Playing, IgnoresTransientConditions) {
     Stage waiting = stage_at(Landmark::vallecula);
     waiting.until_view_percent = 50;
     waiting.timeout = 30;
@@ -207,7 +207,7 @@ TEST_F(Playing, WaitsForAllConditions) {
     EXPECT_NEAR(seen_.time, 9 + static_cast<double>(reaction), 3 * dt);
 }
 
-TEST_F(Playing, TimeoutGoesOnOrGivesUp) {
+TEST_F(Playing, TimeoutContinuesOrAborts) {
     for (const bool abort : {false, true}) {
         Stage waiting = stage_at(Landmark::vallecula);
         waiting.until_view_percent = 50;
@@ -216,7 +216,7 @@ TEST_F(Playing, TimeoutGoesOnOrGivesUp) {
         begin({waiting, kept("pass the tube"), kept("withdraw")});
         ASSERT_TRUE(play_until(abort ? "withdraw" : "pass the tube"));
         EXPECT_NEAR(seen_.time, 1.875 * 0.04 / 0.03 + 2, 3 * dt);
-        EXPECT_EQ(player_->gave_up(), abort);
+        EXPECT_EQ(player_->aborted(), abort);
     }
 }
 
@@ -234,14 +234,14 @@ TEST_F(Playing, PushesTheTubeToItsDepthAtTheLip) {
     play(10);
     EXPECT_NEAR(along().dot(tip() - landmark(Landmark::mouth_opening)), 0.071f, 2 * rounding);
 
-    seen_.tube_depth_rule = 0;  // not known yet: the landmark it is
+    seen_.tube_depth_rule = 0;  // not known yet: uses the landmark
     begin({stage});
     play(10);
     EXPECT_LT((tip() - landmark(Landmark::glottis)).norm(), rounding);
 }
 
 // A tube of 140 mm curve radius that is held 100 mm from its tip.
-TEST_F(Playing, CurvedTubeRunsThroughTheMouthAndEndsAtItsTarget) {
+TEST_F(Playing, CurvedTubePassesMouthAndEndsAtTarget) {
     constexpr float radius = 0.14f;
     const RigidTransform to_tip{
         Quatf(Eigen::AngleAxisf(-length / radius, Vec3f::UnitX())),
@@ -266,7 +266,7 @@ TEST_F(Playing, CurvedTubeRunsThroughTheMouthAndEndsAtItsTarget) {
     const Vec3f chord = glottis - through;
     EXPECT_NEAR(steepness(pose_.rotation * (to_tip.rotation * Vec3f::UnitZ())) - steepness(chord),
                 std::asin(chord.norm() / 2 / radius), 1e-4f);
-    // Pushed on, it slides along its own arc.
+    // Pushed further, it slides along its own arc.
     play(5);
     EXPECT_LT((pose_ * Vec3f(0, radius, 0) - centre).norm(), 5 * rounding);
     EXPECT_NEAR((pose_ * to_tip.translation - glottis).norm(), 2 * radius * std::sin(0.0125f / radius),
@@ -280,7 +280,7 @@ TEST_F(Playing, DepthAtTheLipIsMeasuredAlongTheCurve) {
     player_.emplace(Track{{stage}}, length, 0.0f, reaction, 1, 1 / radius);
     seen_.landmarks = newborn_landmarks();
     play(10);
-    // The mouth opening stands abeam of the point 80 mm behind the tip, 20 mm from the grip.
+    // The mouth opening is abeam of the point 80 mm behind the tip, 20 mm from the grip.
     const float angle = 0.02f / radius;
     const RigidTransform there{Quatf(Eigen::AngleAxisf(-angle, Vec3f::UnitX())),
                                Vec3f(0, radius * (1 - std::cos(angle)), radius * std::sin(angle))};
@@ -297,12 +297,12 @@ TEST_F(Playing, SlightCurveHardlyMatters) {
     seen_.time = 0;
     player_.emplace(Track{{stage}}, length, 0.0f, reaction, 1, 1e-3f);
     play(10);
-    // A radius of 1 km: 100 mm bend off by L^2 / 2R = 5e-6 m and turn by 1e-4 rad.
+    // A radius of 1 km: 100 mm deviate by L^2 / 2R = 5e-6 m and turn by 1e-4 rad.
     EXPECT_LT((pose_.translation - straight.translation).norm(), 2e-5f);
 }
 
-// Lengths go with the cube root of weight: a newborn of 3.5 kg / 8 is half as long as one of 3.5 kg.
-TEST_F(Playing, LengthsAreThoseOfANewbornOfTheScriptsWeight) {
+// Lengths scale with the cube root of weight: a newborn of 3.5 kg / 8 is half as long as one of 3.5 kg.
+TEST_F(Playing, LengthsScaleWithTheScriptsWeight) {
     Stage stage = stage_at(Landmark::vallecula);
     stage.tip_offset = Vec3f(0.001f, 0.002f, 0.003f);
     stage.tip_fixed_offset = Vec3f(0, 0.006f, 0);
@@ -321,7 +321,7 @@ TEST_F(Playing, LengthsAreThoseOfANewbornOfTheScriptsWeight) {
         seen_.landmarks = newborn_landmarks();
         seen_.tube_depth_rule = weight > 0.0 ? static_cast<float>(tube_depth_by_weight(weight)) : 0.0f;
         ASSERT_TRUE(play_until("move"));
-        // 437.5 g are taken as 438 g: 1 part in 2600 of the size.
+        // 437.5 g are rounded to 438 g: 1 part in 2600 of the size.
         const float rounded = 4e-4f * 0.009f + 2 * rounding;
         const Vec3f target = landmark(Landmark::vallecula) + size * stage.tip_offset + stage.tip_fixed_offset;
         EXPECT_LT((tip() - target).norm(), rounded) << weight << " kg";
@@ -341,7 +341,7 @@ TEST_F(Playing, LengthsAreThoseOfANewbornOfTheScriptsWeight) {
     }
 }
 
-TEST_F(Playing, StopsAtTheDepthThatItSees) {
+TEST_F(Playing, StopsAtTheSeenDepth) {
     Stage push = kept("push");
     push.advance = 0.04f;
     push.until_tube_depth = 0.02f;
@@ -353,7 +353,7 @@ TEST_F(Playing, StopsAtTheDepthThatItSees) {
         seen_.tube_depth_past_glottis = depth();
         step();
     }
-    // Reached on the way and kept for the time of reaction, at no more than 0.03 m/s.
+    // Passed during the reaction time, at no more than 0.03 m/s.
     EXPECT_GE(depth(), 0.02f);
     EXPECT_LE(depth(), 0.02f + 0.03f * reaction + 1e-4f);
     const Vec3f stopped = tip();
@@ -361,8 +361,8 @@ TEST_F(Playing, StopsAtTheDepthThatItSees) {
     EXPECT_LT((tip() - stopped).norm(), 1e-4f) << "it goes on";
 }
 
-// A rim that the tip pushes ahead of it, until it slips over the tip and stays where it is.
-TEST_F(Playing, FollowsWithTheBladeUntilItsTipIsPastWhatItAimsAt) {
+// A rim that the tip pushes ahead of itself, until it slips over the tip and stays.
+TEST_F(Playing, FollowsLandmarkUntilBladeIsPastIt) {
     Stage pass = stage_at(Landmark::epiglottis_tip);
     pass.follow = true;
     pass.tip_offset = {0, 0, -30e-3f};
@@ -383,14 +383,14 @@ TEST_F(Playing, FollowsWithTheBladeUntilItsTipIsPastWhatItAimsAt) {
     }
     EXPECT_EQ(player_->stage_name(), "hold");
     EXPECT_LE(rim.z(), slips + 1e-6f) << "the tip was never past it";
-    // Reached on the way and kept for the time of reaction.
+    // Passed during the reaction time.
     EXPECT_GE(past(), 6e-3f);
     EXPECT_LE(past(), 6e-3f + fastest * (reaction + 2.0f * static_cast<float>(dt)));
     EXPECT_LT(past(), 25e-3f) << "it goes on to what it aims at";
     EXPECT_GT(tip().x(), 2e-3f) << "it does not follow";
 }
 
-TEST_F(Playing, GoesOnWithoutABladeThatNeverComesPast) {
+TEST_F(Playing, TimeoutEndsTheWaitForTheBlade) {
     Stage pass = stage_at(Landmark::epiglottis_tip);
     pass.until_blade_past = 6e-3f;
     pass.timeout = 0.5f;
@@ -403,7 +403,7 @@ TEST_F(Playing, GoesOnWithoutABladeThatNeverComesPast) {
     EXPECT_LT((tip() - landmark(Landmark::epiglottis_tip)).norm(), 1e-4f);
 }
 
-TEST_F(Playing, LiftsOnlyAsFarAsTheViewTakes) {
+TEST_F(Playing, LiftsOnlyUntilTheViewSuffices) {
     Stage lift = kept("lift");
     lift.lift = 20e-3f;
     lift.until_view_percent = 50;
@@ -415,7 +415,7 @@ TEST_F(Playing, LiftsOnlyAsFarAsTheViewTakes) {
         seen_.glottic_opening_percent = lifted() > 8e-3f ? 60.0f : 0.0f;
         step();
     }
-    // At no more than 0.03 m/s for the time of reaction.
+    // At no more than 0.03 m/s during the reaction time.
     EXPECT_GE(lifted(), 8e-3f);
     EXPECT_LE(lifted(), 8e-3f + 0.03f * reaction + 1e-4f);
 }
@@ -429,7 +429,7 @@ TEST_F(Playing, StaysFiniteBeforeLandmarksAreKnown) {
     }
 }
 
-TEST_F(Playing, HandWithoutATrackStaysClearOfThePatient) {
+TEST_F(Playing, EmptyTrackStaysClearOfThePatient) {
     player_.emplace(Track{}, length, 0.0f, reaction, 1);
     seen_.landmarks = newborn_landmarks();
     step();

@@ -15,7 +15,7 @@ constexpr float rms = 0.5e-3f;
 constexpr double seconds = 64.0;
 constexpr double rate = 128.0;
 
-// Position of a hand that rests, so that what moves is its tremor [m]; a sample every 1/128 s.
+// Position of a resting hand, so that all motion is tremor [m]; a sample every 1/128 s.
 std::vector<Vec3d> trembling(std::uint64_t seed, int calls_per_sample = 1) {
     Track track;
     track.stages.emplace_back();

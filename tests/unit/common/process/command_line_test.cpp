@@ -9,7 +9,7 @@
 namespace eti {
 namespace {
 
-/// What a stream writes while this lives.
+/// Captures a stream's output during its lifetime.
 class Captured {
   public:
     explicit Captured(std::ostream& stream) : stream_(stream), usual_(stream.rdbuf(text_.rdbuf())) {}
@@ -32,11 +32,11 @@ std::optional<int> parse(CommandLine& app, const std::vector<std::string>& argum
     return app.parse(static_cast<int>(words.size()), words.data());
 }
 
-/// The first line that a program says to these arguments; empty where it takes them.
+/// The first line that a program prints for these arguments; empty if it accepts them.
 std::string refusal(CommandLine& app, const std::vector<std::string>& arguments) {
     const Captured said(std::cerr);
     const std::optional<int> status = parse(app, arguments);
-    EXPECT_EQ(status, said.text().empty() ? std::nullopt : std::optional(status_of_misuse));
+    EXPECT_EQ(status, said.text().empty() ? std::nullopt : std::optional(exit_usage_error));
     return said.text().substr(0, said.text().find('\n'));
 }
 
@@ -46,7 +46,7 @@ std::string help(CommandLine& app) {
     return said.text();
 }
 
-/// What a program with one number says to these arguments.
+/// The output of a program with one number for these arguments.
 template <class Value>
 std::string said_to(const std::vector<std::string>& arguments, Value& value,
                     const NumberLimits<typename NumberOf<Value>::type>& limits) {
@@ -55,25 +55,25 @@ std::string said_to(const std::vector<std::string>& arguments, Value& value,
     return refusal(app, arguments);
 }
 
-TEST(CommandLine, TakesNumbersWithinTheirLimitsBothEndsIncluded) {
+TEST(CommandLine, NumberRangeIsInclusive) {
     double length = -1.0;
     for (const auto& [typed, read] : std::vector<std::pair<std::string, double>>{
              {"0", 0.0}, {"30", 30.0}, {"+0.25", 0.25}, {"1e1", 10.0}, {"007", 7.0}, {".5", 0.5}}) {
         EXPECT_EQ(said_to({"--value", typed}, length, {0.0, 30.0, "mm"}), "") << typed;
         EXPECT_EQ(length, read) << typed;
     }
-    // A limit that binary numbers only come near to is still within.
+    // A limit that binary numbers only approximate is still within the range.
     float share = 0.0f;
     EXPECT_EQ(said_to({"--value", "0.1"}, share, {0.1f, 0.7f}), "");
     EXPECT_EQ(said_to({"--value", "0.7"}, share, {0.1f, 0.7f}), "");
     EXPECT_EQ(share, 0.7f);
 }
 
-TEST(CommandLine, WholeNumbersAreReadInDecimalDigitsUpToTheirTypesEnds) {
+TEST(CommandLine, IntegersAreDecimalOverTheirFullRange) {
     std::uint64_t seed = 1;
     EXPECT_EQ(said_to({"--value", "18446744073709551615"}, seed, {0}), "");
     EXPECT_EQ(seed, 18446744073709551615u);
-    // The library would read octal digits.
+    // The library would parse octal digits.
     EXPECT_EQ(said_to({"--value", "010"}, seed, {0}), "");
     EXPECT_EQ(seed, 10u);
     std::optional<int> count;
@@ -83,7 +83,7 @@ TEST(CommandLine, WholeNumbersAreReadInDecimalDigitsUpToTheirTypesEnds) {
     EXPECT_EQ(count, -3);
 }
 
-TEST(CommandLine, WhatIsNoFiniteNumberIsRefusedWithUnitAndRange) {
+TEST(CommandLine, NonFiniteNumberErrorNamesUnitAndRange) {
     double length = 7.0;
     for (const char* const typed : {"nan", "NaN", "-nan", "inf", "-inf", "infinity", "", " 1", "1 ", "0x10",
                                     "1,5", "five", "--", "1e999", "-1e999", "+-1", "1e", "5mm", "5 mm"}) {
@@ -121,7 +121,7 @@ TEST(CommandLine, MessagesAreShortAndShowNoControlCharacters) {
     EXPECT_NE(escape.find("\\x1b[31m999"), std::string::npos) << escape;
 }
 
-TEST(CommandLine, HelpTellsTheRange) {
+TEST(CommandLine, HelpShowsTheRange) {
     CommandLine app("A program.", "program");
     double length = 0.0;
     std::uint64_t seed = 0;
@@ -132,7 +132,7 @@ TEST(CommandLine, HelpTellsTheRange) {
     EXPECT_NE(text.find("--seed COUNT [0 to 18446744073709551615]"), std::string::npos) << text;
 }
 
-TEST(CommandLine, WithoutExtraArgsTheNextWordIsLeft) {
+TEST(CommandLine, WithoutExtraArgsTheNextWordIsPositional) {
     CommandLine app("A program.", "program");
     std::vector<std::string> values;
     std::string rest;
@@ -213,7 +213,7 @@ TEST(CommandLine, SubcommandsOutliveTheirParentsHandle) {
     EXPECT_EQ(refusal(app, {}), "A subcommand is required");
 }
 
-TEST(CommandLine, UnknownWordsStayWhereExtrasAreAllowed) {
+TEST(CommandLine, UnknownWordsAreKeptIfExtrasAreAllowed) {
     CommandLine app("A program.", "program");
     CommandLine replay = app.add_subcommand("replay", "Replays");
     EXPECT_EQ(refusal(app, {"replay", "--session", "a"}),
@@ -223,7 +223,7 @@ TEST(CommandLine, UnknownWordsStayWhereExtrasAreAllowed) {
     EXPECT_EQ(replay.remaining(), (std::vector<std::string>{"--session", "a"}));
 }
 
-TEST(CommandLine, CallbacksMayRefuseTheWhole) {
+TEST(CommandLine, CallbackMayRefuseTheCommandLine) {
     bool loop = false, replay = false;
     int calls = 0;
     CommandLine app("A program.", "program");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/process/descriptor.hpp"
+#include "common/process/files/descriptor.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ int open_null() {
     return ::open("/dev/null", O_RDONLY | O_CLOEXEC);
 }
 
-/// What the kernel says (fcntl(2)): a number that is not open gives EBADF.
+/// By the kernel (fcntl(2)): a number that is not open gives EBADF.
 bool is_open(int id) {
     return ::fcntl(id, F_GETFD) != -1 || errno != EBADF;
 }
@@ -37,13 +37,13 @@ TEST(Descriptor, IsClosedOnce) {
     const int id = file.get();
     file.close();
     EXPECT_FALSE(file);
-    const Descriptor next(open_null());  // the kernel gives the least free number: the same again
+    const Descriptor next(open_null());  // the kernel assigns the lowest free number: the same again
     ASSERT_EQ(next.get(), id);
     file.close();
     EXPECT_TRUE(is_open(id));
 }
 
-TEST(Descriptor, HasOneOwner) {
+TEST(Descriptor, MoveTransfersOwnership) {
     Descriptor first(open_null());
     const int id = first.get();
     Descriptor second(std::move(first));
@@ -55,7 +55,7 @@ TEST(Descriptor, HasOneOwner) {
     EXPECT_TRUE(is_open(second.get()));
 }
 
-TEST(Descriptor, WhatFailedIsNothing) {
+TEST(Descriptor, FailedOpenIsEmpty) {
     const Descriptor none(::open("/dev/null/none", O_RDONLY | O_CLOEXEC));
     EXPECT_FALSE(none);
     EXPECT_FALSE(Descriptor());

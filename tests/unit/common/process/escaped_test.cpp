@@ -7,29 +7,29 @@
 namespace eti {
 namespace {
 
-TEST(Escaped, PlainTextOfAnyLanguageStays) {
+TEST(Escaped, PlainUnicodeTextIsUnchanged) {
     for (const char* const text : {"", "expert", "Säugling 3.5 kg", "乳児", "👶", "a\\b"}) {
         EXPECT_EQ(escaped(text), text);
         EXPECT_EQ(escaped_lines(text), text);
     }
 }
 
-TEST(Escaped, WhatATerminalWouldObeyIsWrittenOut) {
+TEST(Escaped, ControlSequencesAreEscaped) {
     EXPECT_EQ(escaped("\x1b]0;title\x07"), "\\x1b]0;title\\x07");
     EXPECT_EQ(escaped("a\rb\x7f"), "a\\x0db\\x7f");
     EXPECT_EQ(escaped(std::string_view("a\0b", 3)), "a\\x00b");
     EXPECT_EQ(escaped("\xc2\x9b"
                       "31m"),
-              "\\xc2\\x9b31m");  // U+009B begins a command, too
+              "\\xc2\\x9b31m");  // U+009B starts a control sequence, too
     EXPECT_EQ(escaped("two\nlines\t"), "two\\nlines\\t");
     EXPECT_EQ(escaped_lines("two\nlines\t\x1b"), "two\nlines\t\\x1b");
 }
 
-TEST(Escaped, BytesThatAreNoUtf8AreWrittenOut) {
+TEST(Escaped, InvalidUtf8BytesAreEscaped) {
     EXPECT_EQ(escaped("\xff"), "\\xff");
-    EXPECT_EQ(escaped("a\xc3"), "a\\xc3");           // cut short
-    EXPECT_EQ(escaped("\x80\xbf"), "\\x80\\xbf");    // without a beginning
-    EXPECT_EQ(escaped("\xc0\x80"), "\\xc0\\x80");    // more bytes than needed
+    EXPECT_EQ(escaped("a\xc3"), "a\\xc3");           // truncated
+    EXPECT_EQ(escaped("\x80\xbf"), "\\x80\\xbf");    // continuation bytes only
+    EXPECT_EQ(escaped("\xc0\x80"), "\\xc0\\x80");    // overlong encoding
     EXPECT_EQ(escaped("\xe4\xb9z"), "\\xe4\\xb9z");  // the next character comes too early
 }
 

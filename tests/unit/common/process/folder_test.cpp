@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/process/folder.hpp"
+#include "common/process/files/folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,13 +17,13 @@ namespace fs = std::filesystem;
 
 class MakeFolder : public eti::test::ScratchFolder {};
 
-TEST_F(MakeFolder, MakesThoseAboveItToo) {
+TEST_F(MakeFolder, MakesParentFolders) {
     eti::make_folder(folder_ / "a/b/c");
     EXPECT_TRUE(fs::is_directory(folder_ / "a/b/c"));
-    eti::make_folder(folder_ / "a/b/c");  // is there already
+    eti::make_folder(folder_ / "a/b/c");  // exists already
 }
 
-TEST_F(MakeFolder, NamesPlaceCauseAndRemedyWhereAFileIsInTheWay) {
+TEST_F(MakeFolder, BlockingFileErrorNamesCauseAndRemedy) {
     const fs::path file = folder_ / "file";
     std::ofstream(file) << "kept";
     for (const fs::path& folder : {file, file / "below"}) {

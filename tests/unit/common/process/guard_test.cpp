@@ -10,10 +10,10 @@
 namespace eti {
 namespace {
 
-TEST(Guard, TellsResultsFromCrashes) {
+TEST(Guard, DistinguishesResultsFromCrashes) {
     EXPECT_EQ(run_guarded([] { return 7; }).status, 7);
     EXPECT_FALSE(run_guarded([] { return 7; }).broken);
-    const Guarded crashed = run_guarded([] {
+    const GuardedResult crashed = run_guarded([] {
         ::raise(SIGKILL);
         return 0;
     });
@@ -22,7 +22,7 @@ TEST(Guard, TellsResultsFromCrashes) {
 }
 
 TEST(Guard, EndsATaskThatHangs) {
-    const Guarded hung = run_guarded(
+    const GuardedResult hung = run_guarded(
         [] {
             for (std::atomic<bool> never{false}; !never;) {
             }

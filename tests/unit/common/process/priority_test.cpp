@@ -36,20 +36,20 @@ Scheduling scheduling_of_a_new_thread() {
 
 constexpr Scheduling ordinary{SCHED_OTHER, 0};
 
-TEST(Priority, RealTimeIsForTheThreadThatAsks) {
+TEST(Priority, RealTimeAppliesToCallingThreadOnly) {
     std::thread([] {
-        if (const std::string refusal = become_real_time(priority::step); !refusal.empty()) {
+        if (const std::string refusal = set_real_time_priority(priority::step); !refusal.empty()) {
             GTEST_SKIP() << refusal;
         }
         EXPECT_EQ(scheduling(), (Scheduling{SCHED_FIFO, priority::step}));
         EXPECT_EQ(scheduling_of_a_new_thread(), ordinary);
-        become_ordinary();
+        reset_priority();
         EXPECT_EQ(scheduling(), ordinary);
     }).join();
     EXPECT_EQ(scheduling(), ordinary);
 }
 
-TEST(Priority, ThreadsOfALibraryGetTheirsFromTheOneThatStartsThem) {
+TEST(Priority, ScopeGivesNewThreadsRealTimePriority) {
     std::thread([] {
         {
             const RealTimeThreads real_time(priority::bus);
@@ -63,14 +63,14 @@ TEST(Priority, ThreadsOfALibraryGetTheirsFromTheOneThatStartsThem) {
     }).join();
 }
 
-TEST(Priority, WhoIsRefusedHearsWhatToDo) {
-    const Guarded tried = run_guarded([] {
+TEST(Priority, RefusalNamesTheRemedy) {
+    const GuardedResult tried = run_guarded([] {
         const rlimit none{0, 0};
         ::setrlimit(RLIMIT_RTPRIO, &none);
         if (::geteuid() == 0 && ::setuid(65534) != 0) {
             return 2;
         }
-        const std::string refusal = become_real_time(priority::bus);
+        const std::string refusal = set_real_time_priority(priority::bus);
         const bool told = refusal.find("Operation not permitted") != std::string::npos &&
                           refusal.find("ulimit -r 70") != std::string::npos &&
                           refusal.find('\n') == std::string::npos;
@@ -86,10 +86,10 @@ int nice_of_a_new_thread() {
     return found;
 }
 
-TEST(Priority, WhoOnlyLooksOnYieldsWithoutRights) {
+TEST(Priority, LoweringPriorityNeedsNoPrivilege) {
     const int before = ::getpriority(PRIO_PROCESS, 0);
     std::thread([&] {
-        yield_to_others(5);
+        lower_priority(5);
         EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), std::max(5, before));
         EXPECT_EQ(nice_of_a_new_thread(), std::max(5, before));
     }).join();

@@ -35,7 +35,7 @@ class ServiceNotifyTest : public ::testing::Test {
         std::filesystem::remove(path_);
     }
 
-    /// As the manager does before it starts a program.
+    /// Sets the environment as the service manager does.
     void listen(const std::string& address, long watchdog_us = 0, pid_t pid = 0) {
         manager_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
         sockaddr_un own{};
@@ -71,7 +71,7 @@ class ServiceNotifyTest : public ::testing::Test {
 
 using Said = std::vector<std::string>;
 
-TEST_F(ServiceNotifyTest, ReadyIsSaidOnceAndTheEndToo) {
+TEST_F(ServiceNotifyTest, ReadyAndStoppingAreSentOnce) {
     listen(path_);
     ServiceNotify notify;
     EXPECT_EQ(heard(), Said{});
@@ -90,7 +90,7 @@ TEST_F(ServiceNotifyTest, AbstractAddressesWork) {
     EXPECT_EQ(heard(), Said{"READY=1"});
 }
 
-TEST_F(ServiceNotifyTest, WatchdogHearsFourTimesInItsSpan) {
+TEST_F(ServiceNotifyTest, WatchdogIsNotifiedFourTimesPerPeriod) {
     using namespace std::chrono_literals;
     listen(path_, 200'000, ::getpid());
     ServiceNotify notify;
@@ -108,14 +108,14 @@ TEST_F(ServiceNotifyTest, WatchdogHearsFourTimesInItsSpan) {
     const auto said = heard();
     const auto times = std::count(said.begin(), said.end(), "WATCHDOG=1");
     EXPECT_EQ(times + 1, static_cast<long>(said.size()));
-    // One at first and one every 50 ms; a call that came late adds its lateness.
+    // One at first and one every 50 ms; a late call adds its lateness.
     EXPECT_LE(times, took.count() / 50.0 + 1.0);
     EXPECT_GE(times, std::floor(took.count() / (50.0 + latest.count())));
     std::this_thread::sleep_for(100ms);
     EXPECT_EQ(heard(), Said{}) << "nothing speaks for a loop that hangs";
 }
 
-TEST_F(ServiceNotifyTest, AnotherProcessesWatchdogIsNotOurs) {
+TEST_F(ServiceNotifyTest, OtherProcessesWatchdogIsIgnored) {
     listen(path_, 1, ::getppid());
     ServiceNotify notify;
     notify.alive();
@@ -123,7 +123,7 @@ TEST_F(ServiceNotifyTest, AnotherProcessesWatchdogIsNotOurs) {
     EXPECT_EQ(heard(), Said{"READY=1"});
 }
 
-TEST_F(ServiceNotifyTest, NonsenseIsIgnored) {
+TEST_F(ServiceNotifyTest, InvalidEnvironmentIsIgnored) {
     for (const std::string& address :
          {std::string(), std::string("/"), std::string("vsock:2:1"), std::string("relative"),
           "/" + std::string(200, 'x'), std::string("/nobody/listens")}) {
@@ -141,7 +141,7 @@ TEST_F(ServiceNotifyTest, NonsenseIsIgnored) {
     }
 }
 
-TEST_F(ServiceNotifyTest, FullSocketHoldsNobodyUp) {
+TEST_F(ServiceNotifyTest, FullSocketDoesNotBlock) {
     listen(path_);
     ServiceNotify notify;
     const auto start = std::chrono::steady_clock::now();

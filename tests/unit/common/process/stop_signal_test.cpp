@@ -13,31 +13,31 @@
 namespace eti {
 namespace {
 
-/// What a child process says once it caught signals and raised this one; or what ended it.
-Guarded after(const StopSignals& how, int number, int times = 1) {
+/// Output of a child process that caught signals and raised this one; or the signal that ended it.
+GuardedResult after(const StopSignals& how, int number, int times = 1) {
     return run_guarded([&] {
         catch_stop_signals(how);
         for (int i = 0; i < times; ++i) {
             ::raise(number);
         }
-        return stop_asked() ? 7 : 8;
+        return stop_requested() ? 7 : 8;
     });
 }
 
-TEST(StopSignal, CtrlCAndSigtermAskHoweverOften) {
+TEST(StopSignal, RepeatedSigintAndSigtermAskToStop) {
     for (const int number : {SIGINT, SIGTERM}) {
         EXPECT_EQ(after({}, number).status, 7) << number;
         EXPECT_EQ(after({}, number, 3).status, 7) << number;
     }
-    EXPECT_FALSE(stop_asked());
+    EXPECT_FALSE(stop_requested());
 }
 
-TEST(StopSignal, ASecondOneEndsAtOnceWhereWanted) {
+TEST(StopSignal, SecondSignalEndsImmediatelyIfEnabled) {
     EXPECT_EQ(after({.second_ends = true}, SIGINT).status, 7);
     EXPECT_TRUE(after({.second_ends = true}, SIGINT, 2).broken.has_value());
 }
 
-TEST(StopSignal, WhoHoldsADeviceOutlivesItsTerminal) {
+TEST(StopSignal, DeviceHolderSurvivesTerminalHangUp) {
     for (const int number : {SIGHUP, SIGQUIT}) {
         EXPECT_TRUE(after({}, number).broken.has_value()) << number;
         EXPECT_EQ(after({.holds_device = true}, number).status, 7) << number;
@@ -45,8 +45,8 @@ TEST(StopSignal, WhoHoldsADeviceOutlivesItsTerminal) {
     EXPECT_EQ(after({.holds_device = true}, SIGPIPE).status, 8);
 }
 
-TEST(StopSignal, AWaitEndsWhereADeviceIsHeld) {
-    const Guarded ended = run_guarded([] {
+TEST(StopSignal, SignalInterruptsWaitOfDeviceHolder) {
+    const GuardedResult ended = run_guarded([] {
         catch_stop_signals({.holds_device = true});
         int ends[2];
         if (::pipe(ends) != 0) {
@@ -60,7 +60,7 @@ TEST(StopSignal, AWaitEndsWhereADeviceIsHeld) {
         }
         char byte = 0;
         const bool interrupted = ::read(ends[0], &byte, 1) < 0 && errno == EINTR;
-        return interrupted && stop_asked() ? 7 : 8;
+        return interrupted && stop_requested() ? 7 : 8;
     });
     EXPECT_EQ(ended.status, 7);
 }

@@ -49,14 +49,14 @@ TEST_F(DataFile, PathIsTakenAsGiven) {
     EXPECT_EQ(load_scenario(file).seed, 3u);
 }
 
-TEST_F(DataFile, NameIsSoughtInTheUsersFolderBeforeTheShippedOnes) {
+TEST_F(DataFile, UserFolderPrecedesShippedFiles) {
     EXPECT_EQ(fs::canonical(find_data_file("term", "scenarios")),
-              fs::canonical(fs::path(ETI_SOURCE_DIR) / "deploy/scenarios/term.yaml"));
+              fs::canonical(fs::path(ETI_SOURCE_DIR) / "deploy/data/scenarios/term.yaml"));
     const fs::path own = write("scenarios/term.yaml", "seed: 4\n");
     EXPECT_EQ(find_data_file("term", "scenarios"), own);
 }
 
-TEST_F(DataFile, UnknownNameTellsWhereItLookedAndWhatThereIs) {
+TEST_F(DataFile, UnknownNameListsFoldersAndCandidates) {
     write("scenarios/mine.yaml", "{}\n");
     const std::string message = refusal("nobody");
     for (const std::string& said :
@@ -66,14 +66,14 @@ TEST_F(DataFile, UnknownNameTellsWhereItLookedAndWhatThereIs) {
     }
 }
 
-TEST_F(DataFile, NamesDoNotClimbOutOfTheirFolder) {
+TEST_F(DataFile, NamesCannotEscapeTheirFolder) {
     write("secret.yaml", "{}\n");
     for (const char* name : {"../secret", "..", ".", "", "/", "scenarios/../../secret"}) {
         EXPECT_EQ(refusal(name).rfind("found", 0), std::string::npos) << name;
     }
 }
 
-TEST_F(DataFile, WhatIsNoRegularFileIsRefused) {
+TEST_F(DataFile, NonRegularFileIsRefused) {
     for (const std::string& path :
          {folder_.string(), std::string("/dev/zero"), (folder_ / "absent.yaml").string()}) {
         EXPECT_NE(refusal(path).find(path), std::string::npos);

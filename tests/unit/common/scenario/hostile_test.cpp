@@ -12,7 +12,7 @@
 namespace eti {
 namespace {
 
-// Nine levels of nine references each: 9^9 nodes if they were copied out.
+// Nine levels of nine references each: 9^9 nodes if they were expanded.
 std::string alias_bomb() {
     std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
     for (char level = '1'; level <= '9'; ++level) {
@@ -84,7 +84,7 @@ std::vector<std::pair<std::string, std::string>> hostile() {
     };
 }
 
-TEST(HostileScenario, IsRefusedShortlyAndInGoodTime) {
+TEST(HostileScenario, IsRefusedBrieflyAndQuickly) {
     for (const auto& [name, text] : hostile()) {
         const std::clock_t begin = std::clock();
         std::string message;
@@ -93,14 +93,14 @@ TEST(HostileScenario, IsRefusedShortlyAndInGoodTime) {
         } catch (const InputError& error) {
             message = error.what();
         }
-        const double took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;  // of the processor
+        const double took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;  // processor time
         EXPECT_EQ(message.rfind("evil.yaml", 0), 0u) << name << ": " << message;
         EXPECT_LT(message.size(), 1000u) << name << " is shown whole";
         EXPECT_LT(took, 5.0) << name << " takes too long";
     }
 }
 
-TEST(HostileScenario, QuotesThatAreClosedAreFine) {
+TEST(HostileScenario, ClosedQuotesAreAccepted) {
     const Scenario s =
         parse_scenario("name: \"a \\\"b\\\" \xc3\xa4 c\"\r\ndescription: 'it''s'\r\nseed: 1\r\n", "x.yaml");
     EXPECT_EQ(s.name, "a \"b\" \xc3\xa4 c");
@@ -108,8 +108,8 @@ TEST(HostileScenario, QuotesThatAreClosedAreFine) {
     EXPECT_EQ(parse_scenario("{name: \"a\", description: 'x'}", "x.yaml").name, "a");
 }
 
-TEST(HostileScenario, ErrorsStayText) {
-    // A long value of two-byte letters is cut between letters, so the message can go into JSON.
+TEST(HostileScenario, ErrorsAreValidUtf8) {
+    // A long value of two-byte letters is cut between letters, so that the message is valid in JSON.
     std::string letters;
     for (int i = 0; i < 100; ++i) {
         letters += "\xc3\xa4";

@@ -27,7 +27,7 @@ std::string preset_refusal(const std::string& text) {
     }
 }
 
-TEST(Preset, ReadsValuesAsTheyAreTypedAndKeepsThemInSi) {
+TEST(Preset, ConvertsTypedValuesToSi) {
     const Preset preset = parse_preset(
         "description: Little room\n"
         "set:\n"
@@ -37,7 +37,7 @@ TEST(Preset, ReadsValuesAsTheyAreTypedAndKeepsThemInSi) {
         "little_room.yaml");
     EXPECT_EQ(preset.name, "little_room");
     EXPECT_EQ(preset.description, "Little room");
-    // In the order of the table of what lives.
+    // In the order of the table of runtime parameters.
     ASSERT_EQ(preset.values.size(), 3u);
     EXPECT_EQ(preset.values[0].field->name, "jaw_opening");
     EXPECT_FLOAT_EQ(preset.values[0].value, 20.0f * degree);
@@ -47,7 +47,7 @@ TEST(Preset, ReadsValuesAsTheyAreTypedAndKeepsThemInSi) {
     EXPECT_EQ(preset.values[2].value, 1.0f);
 }
 
-TEST(Preset, RefusesWithPlaceFindingAndExpectation) {
+TEST(Preset, ErrorsNamePlaceFindingAndExpectation) {
     const auto expect = [](const std::string& text, std::initializer_list<const char*> words) {
         const std::string said = preset_refusal(text);
         for (const char* word : words) {
@@ -65,11 +65,11 @@ TEST(Preset, RefusesWithPlaceFindingAndExpectation) {
     expect("description: x\nset:\n  tongue_scale: nan\n", {"hard.yaml:3", "'nan'"});
 }
 
-TEST(Preset, ShippedOnesAreReadAndNamedAsTheirFiles) {
+TEST(Preset, ShippedPresetsAreNamedLikeTheirFiles) {
     const Presets presets = load_presets();
     EXPECT_EQ(presets.errors, std::vector<std::string>{});
     std::set<std::string> files, names;
-    for (const auto& entry : fs::directory_iterator(fs::path(ETI_SOURCE_DIR) / "deploy/presets")) {
+    for (const auto& entry : fs::directory_iterator(fs::path(ETI_SOURCE_DIR) / "deploy/data/presets")) {
         files.insert(entry.path().stem().string());
     }
     for (const Preset& preset : presets.all) {
@@ -79,7 +79,7 @@ TEST(Preset, ShippedOnesAreReadAndNamedAsTheirFiles) {
     EXPECT_GE(names.size(), 3u);
 }
 
-TEST(Preset, OneThatCannotBeReadDoesNotHideTheOthers) {
+TEST(Preset, InvalidPresetDoesNotHideTheOthers) {
     const fs::path folder = fs::temp_directory_path() / ("eti-presets-" + std::to_string(::getpid()));
     fs::create_directories(folder / "presets");
     std::ofstream(folder / "presets/mine.yaml") << "description: Mine\nset:\n  suction: 1\n";

@@ -59,9 +59,9 @@ seed: 42
     EXPECT_FLOAT_EQ(s.patient.shape.weight, 1.1f);
     EXPECT_FLOAT_EQ(s.patient.shape.gestational_age, 28);
     EXPECT_FLOAT_EQ(s.patient.shape.tongue_scale, 1.15f);
-    EXPECT_FLOAT_EQ(s.live.head_elevation, 25 * degree);
-    EXPECT_FLOAT_EQ(s.live.jaw_opening, 20 * degree);
-    EXPECT_FLOAT_EQ(s.live.tissue_stiffness, 9e3f);
+    EXPECT_FLOAT_EQ(s.runtime_parameters.head_elevation, 25 * degree);
+    EXPECT_FLOAT_EQ(s.runtime_parameters.jaw_opening, 20 * degree);
+    EXPECT_FLOAT_EQ(s.runtime_parameters.tissue_stiffness, 9e3f);
     EXPECT_EQ(s.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(s.tube.inner_diameter, 2.5e-3f);
     EXPECT_FLOAT_EQ(s.tube.outer_diameter, 3.6e-3f) << "the outer diameter follows the inner";
@@ -75,14 +75,14 @@ seed: 42
     EXPECT_FLOAT_EQ(s.physics.fine_spacing, 0.75e-3f);
     EXPECT_FLOAT_EQ(s.physics.region, 12e-3f);
     EXPECT_TRUE(s.saliva);
-    EXPECT_EQ(s.live.view_enhanced, 1.0f);
+    EXPECT_EQ(s.runtime_parameters.view_enhanced, 1.0f);
     EXPECT_FLOAT_EQ(s.time_limit, 20);
     EXPECT_TRUE(s.vital_signs);
     EXPECT_FLOAT_EQ(s.inspired_oxygen, 0.4f);
     EXPECT_EQ(s.seed, 42u);
 }
 
-TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
+TEST(Scenario, OmittedKeysKeepTheirDefault) {
     const Scenario s = read("seed: 2\n"), defaults;
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.text, "seed: 2\n");
@@ -99,7 +99,7 @@ TEST(Scenario, WhatIsLeftOutKeepsItsDefault) {
     EXPECT_TRUE(read("saliva: standby\n").saliva_standby);
     EXPECT_EQ(read("saliva: on\n").liquid, LiquidKind::saliva);
     EXPECT_EQ(read("saliva: on\nliquid: blood\n").liquid, LiquidKind::blood);
-    EXPECT_FLOAT_EQ(read("patient: {table_angle_deg: -15}\n").live.table_angle, -15 * degree);
+    EXPECT_FLOAT_EQ(read("patient: {table_angle_deg: -15}\n").runtime_parameters.table_angle, -15 * degree);
 }
 
 TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
@@ -138,7 +138,7 @@ TEST(Scenario, AgeFollowsWeightAndBothMustFit) {
                         {"baby.yaml:1", "patient.weight_kg", "1.1", "1.79 to 6.09", "leave the age out"}));
 }
 
-TEST(Scenario, VariantsSetWhatIsNotGiven) {
+TEST(Scenario, VariantSetsOmittedKeys) {
     EXPECT_LT(read("patient: {variant: micrognathia}\n").patient.shape.mandible_scale, 1.0f);
     const NewbornShape both =
         read("patient: {variant: anterior-larynx, larynx_anterior_mm: 1}\n").patient.shape;
@@ -147,12 +147,13 @@ TEST(Scenario, VariantsSetWhatIsNotGiven) {
     EXPECT_TRUE(refused("patient: {variant: giant}\n", {"variant", "'giant'", "micrognathia"}));
 }
 
-TEST(Scenario, AModelLiesBesideItsScenarioAndHoldsItsShape) {
+TEST(Scenario, ModelPathIsRelativeAndFixesTheShape) {
     EXPECT_EQ(parse_scenario("patient: {model: baby.h5}\n", "some/where/baby.yaml").patient.model,
               "some/where/baby.h5");
     EXPECT_EQ(parse_scenario("patient: {model: /tmp/baby.h5}\n", "some/baby.yaml").patient.model,
               "/tmp/baby.h5");
-    EXPECT_EQ(read("patient: {model: a.h5, head_elevation_deg: 20}\n").live.head_elevation, 20 * degree);
+    EXPECT_EQ(read("patient: {model: a.h5, head_elevation_deg: 20}\n").runtime_parameters.head_elevation,
+              20 * degree);
     for (const char* key :
          {"weight_kg: 3", "variant: normal", "tissue_stiffness_kpa: 9", "tongue_scale: 1"}) {
         EXPECT_TRUE(refused(std::string("patient: {model: a.h5, ") + key + "}\n",
@@ -163,7 +164,7 @@ TEST(Scenario, AModelLiesBesideItsScenarioAndHoldsItsShape) {
         refused("patient: {model: a.h5}\nphysics: {spacing_mm: 3}\n", {"spacing_mm", "patient.model"}));
 }
 
-TEST(Scenario, AModelThatIsNotThereIsNamedWithItsLine) {
+TEST(Scenario, MissingModelIsNamedWithItsLine) {
     const std::string file = testing::TempDir() + "eti_scenario_without_its_model.yaml";
     std::ofstream(file) << "name: baby\npatient:\n  model: no/such/model.h5\n";
     std::string message;
@@ -180,15 +181,15 @@ TEST(Scenario, AModelThatIsNotThereIsNamedWithItsLine) {
     std::filesystem::remove(file);
 }
 
-TEST(Scenario, TabsAreCalledTabs) {
+TEST(Scenario, IndentingTabsAreNamed) {
     EXPECT_TRUE(refused("patient:\n\tweight_kg: 3.5\n", {"baby.yaml:2", "tab", "spaces"}));
     EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n \tjaw_opening_deg: 3\n", {"baby.yaml:3", "tab"}));
     EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n\t# a remark\n", {"baby.yaml:3", "tab"}));
-    // Between words a tab is as good as a space.
+    // A tab separates words as a space does.
     EXPECT_EQ(scenario_refusal("patient:\n  weight_kg:\t3.5\n"), "");
 }
 
-TEST(Scenario, NamesHoldNothingThatATerminalObeys) {
+TEST(Scenario, ControlSequencesInNamesAreRefused) {
     for (const char* const key : {"name", "description"}) {
         for (const char* const text : {"\"\\e[31mred\"", "\"bell \\a\"", "\"a\\rb\"", "\"\\x9b31m\""}) {
             const std::string message = scenario_refusal(std::string(key) + ": " + text + "\n");
@@ -211,7 +212,7 @@ TEST(Scenario, NumbersMustBeFiniteDecimals) {
     EXPECT_FLOAT_EQ(read("patient: {weight_kg: 0.5}\n").patient.shape.weight, 0.5f);
 }
 
-TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
+TEST(Scenario, ShippedScenariosAreThePapersConditions) {
     const auto load = [](const char* name) { return load_scenario(find_data_file(name, "scenarios")); };
     const Scenario term = load("term"), premature = load("premature");
     EXPECT_EQ(term.blade, Blade::miller_1);
@@ -220,32 +221,32 @@ TEST(Scenario, ShippedOnesAreTheFourConditionsOfThePaper) {
     EXPECT_EQ(premature.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(premature.tube.inner_diameter, 2.5e-3f);
     EXPECT_GT(premature.patient.shape.tongue_scale, term.patient.shape.tongue_scale);
-    EXPECT_LT(premature.live.jaw_opening, term.live.jaw_opening);
+    EXPECT_LT(premature.runtime_parameters.jaw_opening, term.runtime_parameters.jaw_opening);
     EXPECT_LT(premature.patient.shape.weight, term.patient.shape.weight);
     EXPECT_TRUE(premature.saliva);
-    // Beside them, one that differs in its liquid alone.
+    // Beside them, one that differs only in its liquid.
     const Scenario bleeding = load("premature_bleeding");
     EXPECT_EQ(bleeding.liquid, LiquidKind::blood);
     EXPECT_TRUE(bleeding.saliva);
     EXPECT_EQ(bleeding.patient.shape.weight, premature.patient.shape.weight);
     EXPECT_EQ(bleeding.patient.shape.tongue_scale, premature.patient.shape.tongue_scale);
-    EXPECT_EQ(bleeding.live.jaw_opening, premature.live.jaw_opening);
-    EXPECT_EQ(bleeding.live.head_elevation, premature.live.head_elevation);
+    EXPECT_EQ(bleeding.runtime_parameters.jaw_opening, premature.runtime_parameters.jaw_opening);
+    EXPECT_EQ(bleeding.runtime_parameters.head_elevation, premature.runtime_parameters.head_elevation);
     EXPECT_EQ(bleeding.tube.youngs_modulus, premature.tube.youngs_modulus);
     EXPECT_EQ(bleeding.seed, premature.seed);
-    // The enhanced conditions differ in what is shown and in nothing else.
+    // The enhanced conditions differ only in what is shown.
     for (const auto& [plain, name] :
          {std::pair{term, "term_enhanced"}, std::pair{premature, "premature_enhanced"}}) {
         const Scenario enhanced = load(name);
-        EXPECT_EQ(plain.live.view_enhanced, 0.0f);
-        EXPECT_EQ(enhanced.live.view_enhanced, 1.0f);
+        EXPECT_EQ(plain.runtime_parameters.view_enhanced, 0.0f);
+        EXPECT_EQ(enhanced.runtime_parameters.view_enhanced, 1.0f);
         EXPECT_EQ(enhanced.name, name);
         EXPECT_EQ(enhanced.patient.shape.weight, plain.patient.shape.weight);
         EXPECT_EQ(enhanced.patient.shape.gestational_age, plain.patient.shape.gestational_age);
         EXPECT_EQ(enhanced.patient.shape.tongue_scale, plain.patient.shape.tongue_scale);
-        EXPECT_EQ(enhanced.live.head_elevation, plain.live.head_elevation);
-        EXPECT_EQ(enhanced.live.jaw_opening, plain.live.jaw_opening);
-        EXPECT_EQ(enhanced.live.tissue_stiffness, plain.live.tissue_stiffness);
+        EXPECT_EQ(enhanced.runtime_parameters.head_elevation, plain.runtime_parameters.head_elevation);
+        EXPECT_EQ(enhanced.runtime_parameters.jaw_opening, plain.runtime_parameters.jaw_opening);
+        EXPECT_EQ(enhanced.runtime_parameters.tissue_stiffness, plain.runtime_parameters.tissue_stiffness);
         EXPECT_EQ(enhanced.blade, plain.blade);
         EXPECT_EQ(enhanced.tube.inner_diameter, plain.tube.inner_diameter);
         EXPECT_EQ(enhanced.tube.length, plain.tube.length);

@@ -22,39 +22,41 @@ std::string setting_refusal(const Wish& wish) {
     }
 }
 
-TEST(Setting, OfWhatLivesIsKeptInSi) {
-    const LiveSetting stiffness = live_setting("tissue_stiffness_kpa=12.5");
+TEST(Setting, RuntimeParameterIsStoredInSi) {
+    const RuntimeParameterSetting stiffness = parse_runtime_parameter("tissue_stiffness_kpa=12.5");
     EXPECT_EQ(stiffness.field->name, "tissue_stiffness");
     EXPECT_FLOAT_EQ(stiffness.value, 12.5e3f);
-    EXPECT_EQ(live_setting("view_clock=on").value, 1.0f);
-    EXPECT_EQ(live_setting("view_clock=0").value, 0.0f);
+    EXPECT_EQ(parse_runtime_parameter("view_clock=on").value, 1.0f);
+    EXPECT_EQ(parse_runtime_parameter("view_clock=0").value, 0.0f);
 }
 
-TEST(Setting, RefusesWhatIsNoneAndSaysWhatIsExpected) {
-    EXPECT_THAT(setting_refusal([] { return live_setting("jaw=1"); }),
+TEST(Setting, InvalidSettingErrorNamesExpectation) {
+    EXPECT_THAT(setting_refusal([] { return parse_runtime_parameter("jaw=1"); }),
                 AllOf(HasSubstr("--set jaw=1"), HasSubstr("jaw_opening_deg (0 to 35)")));
-    EXPECT_THAT(setting_refusal([] { return live_setting("tongue_scale"); }), HasSubstr("KEY=VALUE"));
+    EXPECT_THAT(setting_refusal([] { return parse_runtime_parameter("tongue_scale"); }),
+                HasSubstr("KEY=VALUE"));
     for (const char* typed :
          {"tongue_scale=", "tongue_scale=1.2x", "tongue_scale=on", "tongue_scale=nan", "tongue_scale=-inf"}) {
-        EXPECT_THAT(setting_refusal([&] { return live_setting(typed); }),
+        EXPECT_THAT(setting_refusal([&] { return parse_runtime_parameter(typed); }),
                     AllOf(HasSubstr(typed), HasSubstr("a plain number")));
     }
 }
 
-TEST(Setting, OfAScenarioReplacesOrAddsOneValue) {
+TEST(Setting, ScenarioSettingReplacesOrAddsOneValue) {
     const std::string text = "name: small\npatient:\n  weight_kg: 2\n  jaw_opening_deg: 20\nsaliva: on\n";
     const auto parsed = [&](const char* typed) {
         return parse_scenario(with_setting(text, typed), "x.yaml");
     };
     EXPECT_FLOAT_EQ(parsed("patient.weight_kg=2.5").patient.shape.weight, 2.5f);
-    EXPECT_FLOAT_EQ(parsed("patient.weight_kg=2.5").live.jaw_opening, parsed("seed=7").live.jaw_opening);
+    EXPECT_FLOAT_EQ(parsed("patient.weight_kg=2.5").runtime_parameters.jaw_opening,
+                    parsed("seed=7").runtime_parameters.jaw_opening);
     EXPECT_FALSE(parsed("saliva=off").saliva);
     EXPECT_EQ(parsed("seed=7").seed, 7u);
     EXPECT_EQ(parsed("physics.substeps=4").physics.substeps, 4) << "a section that the text does not have";
     EXPECT_EQ(parsed("seed=7").name, "small");
 }
 
-TEST(Setting, OfAScenarioIsCheckedByIt) {
+TEST(Setting, ScenarioSettingIsValidatedByScenario) {
     EXPECT_THAT(setting_refusal([] {
                     return parse_scenario(with_setting("saliva: on\n", "patient.weight=2"), "x.yaml");
                 }),

@@ -11,8 +11,8 @@
 #include <span>
 
 #include "common/session/anonymise.hpp"
-#include "common/session/check.hpp"
 #include "common/session/reader.hpp"
+#include "common/session/repair/check.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
@@ -66,7 +66,7 @@ class Opinions : public ::testing::Test {
     std::filesystem::path folder, path;
 };
 
-TEST_F(Opinions, RatingsAndAnswersAreReadBackAndReplaced) {
+TEST_F(Opinions, RatingsAndAnswersAreReplaceable) {
     add_ratings(path, {{"ann", "overall", 3, "t"}, {"ann", "lift", 5, "t"}});
     add_ratings(path, {{"bob", "overall", 1, "t"}, {"ann", "overall", 4, "u"}});
     add_answers(path, {{"f", "look", "Looks real?", "4", "t"}});
@@ -82,14 +82,14 @@ TEST_F(Opinions, RatingsAndAnswersAreReadBackAndReplaced) {
     ASSERT_EQ(answers.size(), 2u);
     EXPECT_EQ(answers[0].answer, "5");
     EXPECT_EQ(answers[1].answer, "µ-foam");
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
     EXPECT_EQ(reader.steps().size(), 200u);
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         EXPECT_EQ(entry.path(), path) << "left behind";
     }
 }
 
-TEST_F(Opinions, NothingIsAddedToAFileThatIsRecorded) {
+TEST_F(Opinions, FileBeingRecordedIsNotModified) {
     const std::filesystem::path live = folder / "live.eti.h5";
     SessionWriter writer(live, sample::info(), sample::scene(), {});
     writer.push(sample::step(0));
@@ -101,7 +101,7 @@ TEST_F(Opinions, NothingIsAddedToAFileThatIsRecorded) {
 
 TEST_F(Opinions, SurviveARepair) {
     add_ratings(path, {{"ann", "overall", 3, "t"}});
-    // A byte in the middle of the file: some series is damaged, and the file is written anew.
+    // A byte in the middle of the file: some series is damaged, and the file is rewritten.
     const SessionReader before(path);
     {
         const hdf5::Handle set(H5Dopen2(before.root().id(), "tools/proxy_pose", H5P_DEFAULT), H5Dclose);
@@ -116,13 +116,13 @@ TEST_F(Opinions, SurviveARepair) {
         file.put('\x5a');
         file.put('\xa5');
     }
-    ASSERT_FALSE(check(path).sound());
+    ASSERT_FALSE(check(path).is_valid());
     EXPECT_FALSE(repair(path).empty());
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
     ASSERT_EQ(read_ratings(SessionReader(path).root()).size(), 1u);
 }
 
-TEST_F(Opinions, AnAnonymousCopyNamesNobody) {
+TEST_F(Opinions, AnonymousCopyContainsNoNames) {
     add_ratings(path, {{"al", "overall", 3, "2024-02-29T13:00:00Z"}});
     add_answers(path,
                 {{"f", "missing", "What is missing?", "Grace Hopper missed foam", "2024-02-29T13:00:00Z"}});
@@ -149,10 +149,10 @@ TEST_F(Opinions, AnAnonymousCopyNamesNobody) {
     EXPECT_EQ(reader.commands()[0].sender, "person 1");
     EXPECT_EQ(read_ratings(reader.root())[0].rater, "person 3");
     EXPECT_EQ(read_answers(reader.root())[0].answer, "person 4 missed foam");
-    EXPECT_TRUE(check(out).sound());
+    EXPECT_TRUE(check(out).is_valid());
 }
 
-TEST_F(Opinions, MeasuredSeriesOfAnAnonymousCopyAreTheSameToTheBit) {
+TEST_F(Opinions, AnonymousCopyKeepsSeriesBitIdentical) {
     const std::filesystem::path out = folder / "out.eti.h5";
     (void)anonymise(path, out, "");
     const SessionReader before(path), after(out);
@@ -176,7 +176,7 @@ TEST_F(Opinions, MeasuredSeriesOfAnAnonymousCopyAreTheSameToTheBit) {
     EXPECT_EQ(after.info().more.count(participant_text), 0u);
 }
 
-TEST_F(Opinions, AnAnonymousCopyHidesNoTimes) {
+TEST_F(Opinions, AnonymousCopyHasNoHdf5Timestamps) {
     const std::filesystem::path out = folder / "out.eti.h5";
     (void)anonymise(path, out, "");
     const SessionReader reader(out);

@@ -11,8 +11,8 @@
 
 namespace eti::session::sample {
 
-// A made-up session whose every number follows from the step's index, so that a reader can tell
-// whether a row holds what was recorded for it.
+// A synthetic session whose every number is a function of the step's index, so that a reader can verify each
+// row.
 
 inline constexpr std::size_t frames = 200;
 inline constexpr std::size_t tube_nodes = 17;
@@ -93,7 +93,7 @@ inline StepRecord step(std::uint64_t number) {
     record.laryngoscope = pose(number, 0);
     record.tube_grip = pose(number, 10);
     record.eye = pose(number, 20);
-    record.live.suction = value(number, 26);
+    record.runtime_parameters.suction = value(number, 26);
     record.proxy = pose(number, 30);
     record.shell_force = vector(number, 40);
     record.shell_torque = vector(number, 43);
@@ -102,13 +102,13 @@ inline StepRecord step(std::uint64_t number) {
     for (std::size_t i = 0; i < tube_nodes; ++i) {
         record.tube_nodes.push_back(vector(number, 60 + 3 * static_cast<int>(i)));
     }
-    record.live.head_elevation = value(number, 120);
-    record.live.jaw_opening = value(number, 121);
-    record.live.table_angle = value(number, 125);
-    record.live.head_scale = value(number, 129);
-    record.live.tongue_scale = value(number, 126);
-    record.live.tissue_stiffness = value(number, 127);
-    record.live.secretion = value(number, 128);
+    record.runtime_parameters.head_elevation = value(number, 120);
+    record.runtime_parameters.jaw_opening = value(number, 121);
+    record.runtime_parameters.table_angle = value(number, 125);
+    record.runtime_parameters.head_scale = value(number, 129);
+    record.runtime_parameters.tongue_scale = value(number, 126);
+    record.runtime_parameters.tissue_stiffness = value(number, 127);
+    record.runtime_parameters.secretion = value(number, 128);
     record.skull_rotation = {value(number, 310), value(number, 311), value(number, 312), value(number, 313)};
     for (std::size_t i = 0; i < landmark_count; ++i) {
         const int channel = 320 + 3 * static_cast<int>(i);
@@ -128,8 +128,8 @@ inline StepRecord step(std::uint64_t number) {
     record.gum_force_n = value(number, 123);
     record.tube_depth_past_glottis = value(number, 124);
     int channel = 130;
-    for (const ParameterField& field : parameter_fields) {
-        record.parameters.*field.value = static_cast<double>(value(number, channel++));
+    for (const MetricField& field : metric_fields) {
+        record.metrics.*field.value = static_cast<double>(value(number, channel++));
     }
     return record;
 }
@@ -151,7 +151,7 @@ inline DeformationRecord deformation(std::uint64_t number) {
     return record;
 }
 
-/// The liquid at a step: more and more of it, none at first.
+/// The liquid at a step: none at first, then increasing.
 inline FluidRecord fluid(std::uint64_t number) {
     FluidRecord record{number * step_ns, {}};
     for (std::uint64_t i = 0; i < number / 2; ++i) {
@@ -160,7 +160,7 @@ inline FluidRecord fluid(std::uint64_t number) {
     return record;
 }
 
-/// A point, or a stroke of up to five places.
+/// A point, or a stroke of up to five positions.
 inline AnnotationRecord annotation(std::uint64_t number) {
     AnnotationRecord record{number * step_ns, "stroke", "desk:7", "at " + std::to_string(number),
                             "tongue",         {},       {}};

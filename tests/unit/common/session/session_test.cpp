@@ -9,12 +9,12 @@
 #include <thread>
 
 #include "common/session/cell.hpp"
-#include "common/session/check.hpp"
-#include "common/session/damage.hpp"
 #include "common/session/layout.hpp"
 #include "common/session/reader.hpp"
-#include "common/session/ring.hpp"
-#include "common/session/superblock.hpp"
+#include "common/session/repair/check.hpp"
+#include "common/session/repair/damage.hpp"
+#include "common/session/repair/spsc_ring_buffer.hpp"
+#include "common/session/repair/superblock.hpp"
 #include "common/session/writer.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/unit/common/session/sample.hpp"
@@ -37,7 +37,7 @@ class Session : public ::testing::Test {
     std::filesystem::path path;
 };
 
-/// Records `steps` steps with a deformation every twelfth and a few of everything else.
+/// Records `steps` steps with a deformation every twelfth and a few of each other record.
 void record(const std::filesystem::path& path, std::uint64_t steps) {
     SessionWriter::Settings settings;
     settings.on_error = [](const std::string& text) { ADD_FAILURE() << text; };
@@ -57,10 +57,10 @@ void record(const std::filesystem::path& path, std::uint64_t steps) {
         writer.push(sample::step(i));
     }
     const StepRecord last = sample::step(steps);
-    writer.push(SummaryRecord{1, {false, "the tube went into the oesophagus"}, last.parameters});
+    writer.push(SummaryRecord{1, {false, "the tube went into the oesophagus"}, last.metrics});
     writer.push(SummaryRecord{0, {false, "so far"}, {}});
     writer.push(SummaryRecord{2, {true, "the trachea was intubated"}, {}});
-    writer.push(SummaryRecord{0, {true, "the trachea was intubated"}, last.parameters});
+    writer.push(SummaryRecord{0, {true, "the trachea was intubated"}, last.metrics});
     EXPECT_TRUE(writer.close());
 }
 
@@ -79,7 +79,7 @@ bool same(const StepRecord& a, const StepRecord& b) {
     return equal;
 }
 
-TEST_F(Session, WithoutLiquidThereIsNoPlaceForIt) {
+TEST_F(Session, DrySceneHasNoFluidGroup) {
     SceneRecord dry = sample::scene();
     dry.liquid = false;
     SessionWriter writer(path, sample::info(), dry, {});
@@ -88,15 +88,15 @@ TEST_F(Session, WithoutLiquidThereIsNoPlaceForIt) {
     const SessionReader reader(path);
     EXPECT_FALSE(reader.root().has("fluid"));
     EXPECT_TRUE(reader.fluids().empty());
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
 }
 
-TEST_F(Session, EverythingRecordedIsReadToTheBit) {
+TEST_F(Session, RecordingIsReadBackBitIdentical) {
     constexpr std::uint64_t steps = 1000;
     record(path, steps);
     const SessionReader reader(path);
     EXPECT_TRUE(reader.finished());
-    EXPECT_FALSE(reader.live());
+    EXPECT_FALSE(reader.is_being_recorded());
     EXPECT_EQ(reader.lost_records(), 0u);
     EXPECT_DOUBLE_EQ(reader.duration(), static_cast<double>((steps - 1) * sample::step_ns) * 1e-9);
 
@@ -156,7 +156,7 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     EXPECT_TRUE(summaries[0].outcome.success) << "the later record of an attempt counts";
     EXPECT_FALSE(summaries[1].outcome.success);
     EXPECT_EQ(summaries[1].outcome.reason, "the tube went into the oesophagus");
-    EXPECT_EQ(summaries[1].parameters.time_s, sample::step(steps).parameters.time_s);
+    EXPECT_EQ(summaries[1].metrics.time_s, sample::step(steps).metrics.time_s);
 
     const SceneRecord scene = reader.scene(), expected = sample::scene();
     EXPECT_EQ(scene.frame_rest_centre, expected.frame_rest_centre);
@@ -172,14 +172,14 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     EXPECT_EQ(scene.weight, 3.5f);
     const Definitions& said = expected.definitions;
     EXPECT_EQ(scene.definitions.version, 7u);
-    ASSERT_EQ(scene.definitions.parameters.size(), 2u);
+    ASSERT_EQ(scene.definitions.metrics.size(), 2u);
     for (std::size_t i = 0; i < 2; ++i) {
-        const auto& [key, unit, run, definition, aim] = scene.definitions.parameters[i];
-        EXPECT_EQ(key, said.parameters[i].key);
-        EXPECT_EQ(unit, said.parameters[i].unit);
-        EXPECT_EQ(run, said.parameters[i].run);
-        EXPECT_EQ(definition, said.parameters[i].definition);
-        EXPECT_EQ(aim, said.parameters[i].aim);
+        const auto& [key, unit, run, definition, aim] = scene.definitions.metrics[i];
+        EXPECT_EQ(key, said.metrics[i].key);
+        EXPECT_EQ(unit, said.metrics[i].unit);
+        EXPECT_EQ(run, said.metrics[i].run);
+        EXPECT_EQ(definition, said.metrics[i].definition);
+        EXPECT_EQ(aim, said.metrics[i].aim);
     }
     ASSERT_EQ(scene.definitions.thresholds.size(), 2u);
     EXPECT_EQ(scene.definitions.thresholds[0].name, "gate_slack");
@@ -187,10 +187,10 @@ TEST_F(Session, EverythingRecordedIsReadToTheBit) {
     EXPECT_EQ(scene.definitions.thresholds[1].unit, "1/s");
     EXPECT_EQ(scene.definitions.thresholds[1].meaning, "");
     EXPECT_EQ(scene.tube_outer_diameter, expected.tube_outer_diameter);
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
 }
 
-TEST_F(Session, ARepairKeepsWhatIsWhole) {
+TEST_F(Session, RepairKeepsIntactData) {
     constexpr std::uint64_t steps = 1000;
     record(path, steps);
     haddr_t address = HADDR_UNDEF;
@@ -209,9 +209,9 @@ TEST_F(Session, ARepairKeepsWhatIsWhole) {
         file.seekp(static_cast<std::streamoff>(address + bytes / 2));
         file.put(static_cast<char>(byte ^ 1));
     }
-    EXPECT_FALSE(check(path).sound());
+    EXPECT_FALSE(check(path).is_valid());
     EXPECT_FALSE(repair(path).empty());
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
     const SessionReader reader(path);
     EXPECT_TRUE(reader.finished());
     const auto damage = read_damage(reader.root());
@@ -242,17 +242,17 @@ TEST_F(Session, ARepairKeepsWhatIsWhole) {
     }
 }
 
-TEST_F(Session, ASessionWithoutAnySampleIsWhole) {
+TEST_F(Session, EmptySessionIsValid) {
     { SessionWriter writer(path, sample::info(), sample::scene(), {}); }
     const SessionReader reader(path);
     EXPECT_TRUE(reader.finished());
     EXPECT_EQ(reader.duration(), 0.0);
     EXPECT_TRUE(reader.steps().empty());
     EXPECT_TRUE(reader.summaries().empty());
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
 }
 
-TEST_F(Session, EveryDataSetSaysUnitAndMeaningAndIsCompressed) {
+TEST_F(Session, DatasetsHaveUnitMeaningAndCompression) {
     record(path, 200);
     const hdf5::File file = hdf5::File::open(path, hdf5::Access::read);
     struct Visit {
@@ -282,7 +282,7 @@ TEST_F(Session, EveryDataSetSaysUnitAndMeaningAndIsCompressed) {
     EXPECT_GT(visit.data_sets, 80);
 }
 
-TEST_F(Session, AGroupsSeriesAreOfOneLengthWithTheTimeAxisFirst) {
+TEST_F(Session, SeriesOfAGroupShareItsTimeAxis) {
     record(path, 200);
     const SessionReader reader(path);
     for (const std::string group : {"inputs", "tools", "skeleton", "metrics"}) {
@@ -303,20 +303,20 @@ TEST_F(Session, IsReadWhileItIsRecorded) {
     for (std::uint64_t i = 0; i < 500; ++i) {
         writer.push(sample::step(i));
     }
-    // Full chunks go to their series at once; the rest waits for more.
+    // Full chunks are written to their series at once; the rest is buffered.
     constexpr std::size_t chunked = 500 / step_chunk * step_chunk;
     EXPECT_TRUE(test::eventually([&] { return SessionReader(path).steps().size() >= chunked; }));
     const SessionReader reader(path);
-    EXPECT_TRUE(reader.live());
+    EXPECT_TRUE(reader.is_being_recorded());
     EXPECT_FALSE(reader.finished());
     EXPECT_EQ(reader.steps().size(), chunked);
-    EXPECT_TRUE(check(path).sound());
+    EXPECT_TRUE(check(path).is_valid());
     EXPECT_THROW((void)repair(path), hdf5::Error) << "would change a file under its writer";
     EXPECT_TRUE(writer.close());
     EXPECT_TRUE(SessionReader(path).finished());
 }
 
-TEST_F(Session, WhatIsInNoSeriesYetIsInTheTail) {
+TEST_F(Session, TailHoldsSamplesNotYetInASeries) {
     const std::filesystem::path left_behind = path.string() + ".left";
     constexpr std::uint64_t all = 300, fewer_than_a_chunk = 20;
     {
@@ -329,7 +329,7 @@ TEST_F(Session, WhatIsInNoSeriesYetIsInTheTail) {
         writer.push(sample::annotation(400));
         writer.push(sample::event(7));
         std::this_thread::sleep_for(std::chrono::milliseconds(400));
-        // A killed writer leaves what another process sees now.
+        // A killed writer leaves the file as another process sees it now.
         std::filesystem::copy_file(path, left_behind);
     }
     const auto look = [&](const SessionReader& reader) {
@@ -337,8 +337,8 @@ TEST_F(Session, WhatIsInNoSeriesYetIsInTheTail) {
         const auto steps = reader.steps();
         ASSERT_EQ(steps.size(), all);
         EXPECT_EQ(steps.back().proxy.translation, sample::step(all - 1).proxy.translation);
-        for (const ParameterField& field : parameter_fields) {
-            EXPECT_EQ(steps.back().parameters.*field.value, sample::step(all - 1).parameters.*field.value);
+        for (const MetricField& field : metric_fields) {
+            EXPECT_EQ(steps.back().metrics.*field.value, sample::step(all - 1).metrics.*field.value);
         }
         ASSERT_EQ(reader.deformations().size(), 1u);
         EXPECT_EQ(reader.deformations()[0].frame, sample::deformation(1).frame);
@@ -354,17 +354,17 @@ TEST_F(Session, WhatIsInNoSeriesYetIsInTheTail) {
         EXPECT_GT(reader.rows_in_tail(), fewer_than_a_chunk);
         look(reader);
     }
-    EXPECT_FALSE(check(left_behind).sound());
+    EXPECT_FALSE(check(left_behind).is_valid());
     EXPECT_FALSE(repair(left_behind).empty());
     const SessionReader repaired(left_behind);
     EXPECT_EQ(repaired.rows_in_tail(), 0u);
     EXPECT_FALSE(repaired.root().has("tail"));
     look(repaired);
-    EXPECT_TRUE(check(left_behind).sound());
+    EXPECT_TRUE(check(left_behind).is_valid());
     std::filesystem::remove(left_behind);
 }
 
-TEST_F(Session, AFullQueueLosesRecordsAndSaysSo) {
+TEST_F(Session, FullQueueDropsRecordsAndWarns) {
     std::atomic<int> warnings{0};
     SessionWriter::Settings settings;
     settings.waiting_steps = 4;
@@ -373,7 +373,7 @@ TEST_F(Session, AFullQueueLosesRecordsAndSaysSo) {
         ++warnings;
     };
     SessionWriter writer(path, sample::info(), sample::scene(), settings);
-    // 1000 pushes take about a millisecond; the writer looks into its queues every 20 ms.
+    // 1000 pushes take about a millisecond; the writer polls its queues every 20 ms.
     std::uint64_t taken = 0;
     for (std::uint64_t i = 0; i < 1000; ++i) {
         taken += writer.push(sample::step(i)) ? 1 : 0;
@@ -389,7 +389,7 @@ TEST_F(Session, AFullQueueLosesRecordsAndSaysSo) {
     EXPECT_EQ(reader.events()[0].kind, "recording");
 }
 
-TEST_F(Session, RefusesToReplaceAFileAndToWriteWhereItCannot) {
+TEST_F(Session, ExistingAndUnwritablePathsAreRefused) {
     std::ofstream(path) << "precious";
     EXPECT_THROW(SessionWriter(path, sample::info(), sample::scene(), {}), hdf5::Error);
     EXPECT_EQ(std::filesystem::file_size(path), 8u);
@@ -433,8 +433,8 @@ TEST_F(Session, ForeignFilesAreRefusedByName) {
     EXPECT_NE(refusal().find("not a session"), std::string::npos) << refusal();
 }
 
-TEST(Ring, PassesEveryValueInOrderBetweenThreads) {
-    Ring<std::uint64_t> ring(7);
+TEST(SpscRingBuffer, PassesEveryValueInOrderBetweenThreads) {
+    SpscRingBuffer<std::uint64_t> ring(7);
     constexpr std::uint64_t count = 200000;
     std::thread producer([&] {
         for (std::uint64_t i = 0; i < count;) {
@@ -452,8 +452,8 @@ TEST(Ring, PassesEveryValueInOrderBetweenThreads) {
     EXPECT_EQ(ring.front(), nullptr);
 }
 
-TEST(Ring, HoldsItsCapacityAndNoMore) {
-    Ring<int> ring(3);
+TEST(SpscRingBuffer, HoldsItsCapacityAndNoMore) {
+    SpscRingBuffer<int> ring(3);
     EXPECT_TRUE(ring.push(1) && ring.push(2) && ring.push(3));
     EXPECT_FALSE(ring.push(4));
     ring.pop();
@@ -461,7 +461,7 @@ TEST(Ring, HoldsItsCapacityAndNoMore) {
     EXPECT_EQ(*ring.front(), 2);
 }
 
-TEST(MetadataChecksum, AgreesWithItsAuthorsExamples) {
+TEST(MetadataChecksum, MatchesTheAuthorsTestVectors) {
     // lookup3.c, driver5: hashlittle of these texts with initial value 0.
     const std::string text = "Four score and seven years ago";
     EXPECT_EQ(metadata_checksum(reinterpret_cast<const unsigned char*>(text.data()), text.size()),

@@ -42,7 +42,7 @@ std::vector<std::size_t> receivers(Medium& medium, Clock::time_point now) {
 
 using Ports = std::vector<std::size_t>;
 
-TEST(Medium, CarriesToEverybodyUntilItKnowsWhereAHostIs) {
+TEST(Medium, FloodsUntilTheHostsPortIsLearned) {
     Medium medium(std::vector<Attachment>(3), true, 1);
     medium.send(0, frame(2, 1), start);
     EXPECT_EQ(receivers(medium, start), (Ports{1, 2}));
@@ -54,7 +54,7 @@ TEST(Medium, CarriesToEverybodyUntilItKnowsWhereAHostIs) {
     EXPECT_TRUE(receivers(medium, start).empty()) << "to itself";
 }
 
-TEST(Medium, HoldsBackMulticastButNotBroadcast) {
+TEST(Medium, BlocksMulticastButNotBroadcast) {
     Medium with(std::vector<Attachment>(3), true, 1), without(std::vector<Attachment>(3), false, 1);
     with.send(0, to_group(1), start);
     EXPECT_EQ(receivers(with, start), (Ports{1, 2}));
@@ -65,7 +65,7 @@ TEST(Medium, HoldsBackMulticastButNotBroadcast) {
     EXPECT_EQ(receivers(without, start), (Ports{1, 2}));
 }
 
-TEST(Medium, DelaysByTheWorseEnd) {
+TEST(Medium, DelayIsThatOfTheSlowerEnd) {
     Medium medium({{.delay = 5ms}, {.delay = 20ms}, {}}, true, 1);
     medium.send(0, frame(everybody, 1), start);
     EXPECT_EQ(medium.next_at(), start + 5ms);
@@ -75,21 +75,21 @@ TEST(Medium, DelaysByTheWorseEnd) {
     EXPECT_EQ(medium.next_at(), Clock::time_point::max());
 }
 
-TEST(Medium, JitterIsEven) {
+TEST(Medium, JitterIsUniform) {
     constexpr int count = 4000;
     Medium medium({{.delay = 1ms, .jitter = 2ms}, {}}, true, 1);
     for (int i = 0; i < count; ++i) {
         medium.send(0, frame(everybody, 1), start);
     }
     EXPECT_GE(medium.next_at(), start + 1ms);
-    // Half of them are later than the middle, within four standard deviations of a binomial.
+    // Half of them arrive later than the median, within four standard deviations of a binomial.
     EXPECT_NEAR(static_cast<double>(receivers(medium, start + 2ms).size()), count / 2,
                 4 * std::sqrt(count * 0.25));
     (void)receivers(medium, start + 3ms);
     EXPECT_EQ(medium.next_at(), Clock::time_point::max());
 }
 
-TEST(Medium, LosesTheShareAskedForEachReceiverForItself) {
+TEST(Medium, LossIsIndependentPerReceiver) {
     constexpr int count = 20000;
     constexpr double loss = 0.05;
     Medium medium({{}, {.loss = loss}, {.loss = loss}}, true, 7);
@@ -105,7 +105,7 @@ TEST(Medium, LosesTheShareAskedForEachReceiverForItself) {
     EXPECT_NEAR(alone, count * one, scatter(one));
 }
 
-TEST(Medium, TheSameSeedLosesTheSame) {
+TEST(Medium, LossIsReproducibleFromTheSeed) {
     Medium a({{.loss = 0.5}, {}}, true, 3), b({{.loss = 0.5}, {}}, true, 3);
     for (int i = 0; i < 64; ++i) {
         a.send(0, frame(everybody, 1), start);
@@ -115,20 +115,20 @@ TEST(Medium, TheSameSeedLosesTheSame) {
 }
 
 TEST(Medium, ALimitedRateQueuesThenDrops) {
-    // 1000 bytes take 1 ms up and, where the receiver's line is as slow, 1 ms down.
+    // 1000 bytes take 1 ms up and, where the receiver's line has the same rate, 1 ms down.
     constexpr double rate = 8e6;
     Medium medium({{.rate = rate}, {.rate = rate}}, true, 1);
     for (int i = 0; i < 200; ++i) {
         medium.send(0, frame(everybody, 1, 1000), start);
     }
     EXPECT_EQ(medium.next_at(), start + 2ms);
-    // What would wait longer than 100 ms is dropped.
+    // A frame that would wait longer than 100 ms is dropped.
     EXPECT_EQ(medium.counts()[0].overflowed, 200u - 101u);
     EXPECT_EQ(receivers(medium, start + 1s).size(), 101u);
     EXPECT_EQ(medium.counts()[1].bytes_received, 101'000u);
 }
 
-TEST(Medium, DropsWhatIsNoFrame) {
+TEST(Medium, DropsInvalidFrames) {
     Medium medium(std::vector<Attachment>(2), true, 1);
     medium.send(0, std::vector<std::uint8_t>(13), start);
     EXPECT_EQ(medium.counts()[0].frames_sent, 0u);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Hosts in namespaces, and what lies between them: delay, loss and what remains."""
+"""Hosts in namespaces and the medium between them: delay, loss and cleanup."""
 
 import os
 import re
@@ -18,7 +18,7 @@ import hosts  # noqa: E402
 
 WHY_NOT = hosts.why_impossible(BIN)
 SENT = 400
-# Echoes with python's own sockets: ping needs a package. Sends SENT datagrams, waits for those that return.
+# Echoes with Python's own sockets: ping needs a package. Sends SENT datagrams, waits for the replies.
 ECHO = """
 import socket
 s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("0.0.0.0", 7)); print("ready", flush=True)
@@ -39,7 +39,7 @@ for i in range({SENT}):
     except TimeoutError: pass
 trips.sort(); print(len(trips), 1e3 * trips[0], 1e3 * trips[len(trips) // 2])
 """
-# Sends more than a socket holds, and reads afterwards what it held.
+# Sends more than a socket holds, and then reads what it held.
 OVERFLOW = f"""
 import socket
 s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("127.0.0.1", 7)); kept = 0
@@ -83,7 +83,7 @@ class Hosts(unittest.TestCase):
         count, shortest, median = self.python(a, ASK, b.address, wait).stdout.read().split()
         return int(count), float(shortest), float(median)
 
-    def test_delay_there_and_back(self):
+    def test_delay_applies_in_both_directions(self):
         a, b = self.host("a"), self.host("b")
         medium = hosts.Medium(BIN, [a, b], delay=5)
         self.addCleanup(medium.process.kill)
@@ -95,7 +95,7 @@ class Hosts(unittest.TestCase):
         self.assertGreaterEqual(passed["a"]["sent"]["frames"], SENT)
         self.assertEqual(passed["a"]["lost"], 0)
 
-    def test_loss_there_and_back(self):
+    def test_loss_applies_in_both_directions(self):
         a, b = self.host("a"), self.host("b")
         medium = hosts.Medium(BIN, [a, b], loss=10)
         self.addCleanup(medium.process.kill)
@@ -104,7 +104,7 @@ class Hosts(unittest.TestCase):
         # Four standard deviations of a binomial.
         self.assertAlmostEqual(count, share * SENT, delta=4 * (SENT * share * (1 - share)) ** 0.5)
 
-    def test_what_a_full_socket_loses_is_counted(self):
+    def test_datagrams_dropped_by_full_socket_are_counted(self):
         host = self.host("a")
         host.run("ip", "link", "set", "lo", "up")
         self.assertEqual(host.dropped(), 0)
@@ -124,10 +124,10 @@ class Hosts(unittest.TestCase):
     def test_multicast_passes(self):
         self.assertTrue(self.multicast_arrives(True))
 
-    def test_multicast_is_held_back(self):
+    def test_multicast_is_blocked(self):
         self.assertFalse(self.multicast_arrives(False))
 
-    def test_router_between_two_networks(self):
+    def test_router_connects_two_networks(self):
         a, router, b = self.host("a"), self.host("router"), self.host("b")
         for number, pair in enumerate(((router, a), (router, b))):
             medium = hosts.Medium(BIN, pair, subnet=f"10.77.{number}", interface=f"eth{number}")
@@ -135,7 +135,7 @@ class Hosts(unittest.TestCase):
         hosts.route_between(router, {"10.77.0.1": [a], "10.77.1.1": [b]})
         self.assertEqual(self.echo(a, b, 1.0)[0], SENT)
 
-    def test_a_host_has_its_own_shared_memory_and_name(self):
+    def test_host_has_own_shared_memory_and_name(self):
         mark = Path(f"/dev/shm/eti-test-{os.getpid()}")
         mark.touch()
         self.addCleanup(mark.unlink)
@@ -143,7 +143,7 @@ class Hosts(unittest.TestCase):
         self.assertEqual(host.shared_memory_files(), [])
         self.assertEqual(host.run("hostname").strip(), "alone")
 
-    def test_killed_maker_leaves_nothing(self):
+    def test_killed_creator_leaves_no_process(self):
         code = ("import sys, time; sys.path.insert(0, sys.argv[1]); import hosts\n"
                 "a, b = hosts.Host('a'), hosts.Host('b'); medium = hosts.Medium(sys.argv[2], [a, b])\n"
                 "print(a.process.pid, b.process.pid, medium.process.pid, flush=True); time.sleep(60)")

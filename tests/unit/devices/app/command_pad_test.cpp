@@ -13,13 +13,13 @@ namespace {
 
 constexpr float dt = 0.02f;
 
-LiveValues posture(float head_deg, float jaw_deg, float table_deg) {
+RuntimeParameters posture(float head_deg, float jaw_deg, float table_deg) {
     return {.head_elevation = head_deg * degree,
             .jaw_opening = jaw_deg * degree,
             .table_angle = table_deg * degree};
 }
 
-/// That knows of a patient.
+/// A pad that has received a patient's posture.
 CommandPad pad_at(float head_deg, float jaw_deg, float table_deg) {
     CommandPad pad;
     pad.follow(posture(head_deg, jaw_deg, table_deg));
@@ -38,7 +38,7 @@ TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
         }
     }
     ASSERT_FALSE(sent.empty());
-    // A second of it, one command for every half a degree.
+    // A second of it, one command per half degree.
     EXPECT_LE(sent.size(), 20u);
     EXPECT_GE(sent.size(), 15u);
     EXPECT_EQ(sent.back().name, "head_elevation");
@@ -50,23 +50,23 @@ TEST(CommandPad, AStickMovesAPostureAtTenDegreesASecond) {
     EXPECT_TRUE(pad.update(reading, dt).empty());
 }
 
-TEST(CommandPad, SuctionIsSentAgainToANewServerAndLetGoOfAtTheEnd) {
+TEST(CommandPad, SuctionIsResentToNewServerAndEndsWithPad) {
     CommandPad pad;
-    EXPECT_TRUE(pad.let_go().empty());
+    EXPECT_TRUE(pad.release().empty());
     Reading reading;
     reading.buttons = 1;
     EXPECT_EQ(pad.update(reading, dt).size(), 1u);
     EXPECT_TRUE(pad.update(reading, dt).empty());
-    pad.begin_again();
+    pad.resend_held_inputs();
     ASSERT_EQ(pad.update(reading, dt).size(), 1u);
-    const std::vector<PadCommand> last = pad.let_go();
+    const std::vector<PadCommand> last = pad.release();
     ASSERT_EQ(last.size(), 1u);
     EXPECT_EQ(last[0].name, "suction");
     EXPECT_EQ(last[0].value, 0.0f);
-    EXPECT_TRUE(pad.let_go().empty());
+    EXPECT_TRUE(pad.release().empty());
 }
 
-TEST(CommandPad, MovesNothingUntilItKnowsWhereThePatientIs) {
+TEST(CommandPad, MovesNothingUntilPostureIsKnown) {
     CommandPad pad;
     Reading reading;
     reading.axes[1] = -1.0f;
@@ -77,15 +77,15 @@ TEST(CommandPad, MovesNothingUntilItKnowsWhereThePatientIs) {
     EXPECT_TRUE(pad.update(reading, 0.1f).empty()) << "a posture that is no number is none";
 }
 
-TEST(CommandPad, GoesOnFromWhereTheServerSaysThePatientIs) {
+TEST(CommandPad, ContinuesFromTheServersPosture) {
     CommandPad pad = pad_at(26.0f, 29.0f, 0.0f);
-    pad.follow(posture(5.0f, 29.0f, 0.0f));  // the instructor laid the head down meanwhile
+    pad.follow(posture(5.0f, 29.0f, 0.0f));  // the instructor has lowered the head meanwhile
     Reading reading;
     reading.axes[1] = -1.0f;
     std::vector<PadCommand> sent = pad.update(reading, 0.1f);
     ASSERT_EQ(sent.size(), 1u);
     EXPECT_NEAR(sent[0].value, 6.0f * degree, 1e-5f);
-    // The patient lags behind the stick; what it tells then is not gone back to.
+    // The patient lags behind the stick; postures it reports meanwhile are ignored.
     pad.follow(posture(5.2f, 29.0f, 0.0f));
     sent = pad.update(reading, 0.1f);
     ASSERT_EQ(sent.size(), 1u);
@@ -141,7 +141,7 @@ TEST(CommandPad, TheRightStickTiltsTheTableEitherWay) {
     }
 }
 
-TEST(CommandPad, ButtonAndTriggerAreSuction) {
+TEST(CommandPad, ButtonAndTriggerControlSuction) {
     CommandPad pad;
     Reading reading;
     reading.buttons = 1;
@@ -152,7 +152,7 @@ TEST(CommandPad, ButtonAndTriggerAreSuction) {
     EXPECT_TRUE(pad.update(reading, dt).empty());
     reading.buttons = 0;
     EXPECT_EQ(pad.update(reading, dt)[0].value, 0.0f);
-    // An axis that was never at its end is no trigger: a pad without one shows 0 there.
+    // An axis that was never at its end is no trigger: a pad without triggers reports 0 there.
     reading.axes[5] = 0.0f;
     EXPECT_TRUE(pad.update(reading, dt).empty());
     reading.axes[5] = -1.0f;
@@ -161,7 +161,7 @@ TEST(CommandPad, ButtonAndTriggerAreSuction) {
     EXPECT_NEAR(pad.update(reading, dt)[0].value, 0.6f, 1e-6f);
 }
 
-TEST(CommandPad, APadThatIsLostLeavesNoSuctionOn) {
+TEST(CommandPad, LosingThePadStopsSuction) {
     CommandPad pad;
     Reading reading;
     reading.buttons = 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// The programs as a person starts them.
+// The programs as started by a person.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <pty.h>
@@ -28,7 +28,7 @@ using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A program that runs, its output going to files; its input is a terminal if asked.
+/// A running program with its output in files; its input is a terminal if requested.
 class Running {
   public:
     Running(const char* program, std::vector<std::string> arguments, bool terminal = false)
@@ -117,32 +117,32 @@ std::vector<std::string> with(const std::string& device, std::vector<std::string
     return more;
 }
 
-class EitherProgram : public ::testing::TestWithParam<std::pair<const char*, const char*>> {
+class DeviceProgram : public ::testing::TestWithParam<std::pair<const char*, const char*>> {
   protected:
     const char* program_ = GetParam().first;
     std::string device_ = GetParam().second;
 };
 
-TEST_P(EitherProgram, HelpAndVersion) {
+TEST_P(DeviceProgram, HelpAndVersion) {
     Running help(program_, {"--help"});
     EXPECT_EQ(help.wait(), 0);
     EXPECT_THAT(help.out(), AllOf(HasSubstr("--operator"), HasSubstr("--duration"), HasSubstr(device_)));
 }
 
-TEST_P(EitherProgram, Version) {
+TEST_P(DeviceProgram, Version) {
     Running version(program_, {"--version"});
     EXPECT_EQ(version.wait(), 0);
     EXPECT_EQ(version.out(), ETI_VERSION "\n");
 }
 
-TEST_P(EitherProgram, RefusesAnUnknownDeviceNamingThoseThereAre) {
+TEST_P(DeviceProgram, UnknownDeviceErrorListsTheDevices) {
     Running refused(program_, with("nothing-of-the-kind", {"--json"}));
     EXPECT_GT(refused.wait(), 0);
     EXPECT_THAT(refused.err(), AllOf(HasSubstr("nothing-of-the-kind"), HasSubstr(device_)));
     EXPECT_EQ(refused.out(), "");
 }
 
-TEST_P(EitherProgram, RefusesBadOptions) {
+TEST_P(DeviceProgram, RefusesBadOptions) {
     const std::vector<std::vector<std::string>> all = {{},
                                                        {"--duration", "-1"},
                                                        {"--operator", "nobody-of-that-name"},
@@ -161,7 +161,7 @@ TEST_P(EitherProgram, RefusesBadOptions) {
     }
 }
 
-TEST_P(EitherProgram, CtrlCEndsItWithItsStatistics) {
+TEST_P(DeviceProgram, CtrlCEndsItWithItsStatistics) {
     Running program(program_, with(device_, {"--json"}));
     ASSERT_TRUE(program.says("held still")) << program.err();
     std::this_thread::sleep_for(500ms);
@@ -177,7 +177,7 @@ TEST_P(EitherProgram, CtrlCEndsItWithItsStatistics) {
     EXPECT_GE(result.at("cycle_ms").at("max"), result.at("cycle_ms").at("p99"));
 }
 
-TEST_P(EitherProgram, CtrlCEndsItWhileItWaitsForAServer) {
+TEST_P(DeviceProgram, CtrlCEndsItWhileItWaitsForAServer) {
     Running program(program_, with(device_, {"--json", "--operator", "expert"}));
     ASSERT_TRUE(program.says("waits for the scene")) << program.err();
     program.send(SIGTERM);
@@ -185,7 +185,7 @@ TEST_P(EitherProgram, CtrlCEndsItWhileItWaitsForAServer) {
     EXPECT_EQ(nlohmann::json::parse(program.out()).at("cycles"), 0);
 }
 
-TEST_P(EitherProgram, EndsAfterItsDuration) {
+TEST_P(DeviceProgram, EndsAfterItsDuration) {
     Running program(program_, with(device_, {"--json", "--duration", "2.5"}));
     EXPECT_EQ(program.wait(), 0) << program.err();
     const auto result = nlohmann::json::parse(program.out());
@@ -193,7 +193,7 @@ TEST_P(EitherProgram, EndsAfterItsDuration) {
     EXPECT_GE(result.at("duration_s"), 2.5);
 }
 
-TEST_P(EitherProgram, EndsWithItsSession) {
+TEST_P(DeviceProgram, EndsWithItsSession) {
     bus::Node node(test::bus_options("eti-server"));
     bus::Publisher<msg::SessionStatus> topic(node, bus::topics::session_status);
     msg::SessionStatus status;
@@ -209,18 +209,18 @@ TEST_P(EitherProgram, EndsWithItsSession) {
     EXPECT_EQ(nlohmann::json::parse(program.out()).at("ended"), "session finished");
 }
 
-INSTANTIATE_TEST_SUITE_P(Devices, EitherProgram,
+INSTANTIATE_TEST_SUITE_P(Devices, DeviceProgram,
                          ::testing::Values(std::pair(ETI_HAPTICS, "simulated"),
                                            std::pair(ETI_TRACKER, "scripted")),
                          [](const auto& run) { return std::string(run.param.second); });
 
-/// A program, a device with a vendor's library, and a stand-in for that.
+/// A program, a device with a vendor's library, and a stand-in for the library.
 struct OnVendorsLibrary {
     const char *program, *device, *library;
 };
-class VendorsDevice : public ::testing::TestWithParam<OnVendorsLibrary> {};
+class VendorDevice : public ::testing::TestWithParam<OnVendorsLibrary> {};
 
-TEST_P(VendorsDevice, IsReadAndPublished) {
+TEST_P(VendorDevice, IsReadAndPublished) {
     const auto& [program, device, library] = GetParam();
     Running running(program, with(device, {"--library", library, "--json", "--duration", "2"}));
     EXPECT_EQ(running.wait(), 0) << running.err();
@@ -231,7 +231,7 @@ TEST_P(VendorsDevice, IsReadAndPublished) {
     EXPECT_EQ(result.at("poses_left_out"), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, VendorsDevice,
+INSTANTIATE_TEST_SUITE_P(Programs, VendorDevice,
                          ::testing::Values(OnVendorsLibrary{ETI_HAPTICS, "openhaptics", STAND_IN_OPENHAPTICS},
                                            OnVendorsLibrary{ETI_TRACKER, "openhaptics", STAND_IN_OPENHAPTICS},
                                            OnVendorsLibrary{ETI_TRACKER, "trakstar", STAND_IN_TRAKSTAR}),
@@ -241,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, VendorsDevice,
                                     run.param.device;
                          });
 
-/// Of a program that needs no server: exit status, what it printed, what it logged.
+/// Result of a program that needs no server: exit status, output, log.
 struct Done {
     int status;
     std::string out, err;
@@ -268,7 +268,7 @@ class Calibrate : public ::testing::Test {
 };
 
 // The device's frame is the patient's moved by (10, 20, 30) mm; one point was touched wrongly.
-TEST_F(Calibrate, RegistersMeasuredPairsAndTheTrackerTakesTheResult) {
+TEST_F(Calibrate, TrackerUsesTheRegistrationResult) {
     std::string pairs = "points:\n";
     const int places[6][3] = {{0, 0, 0}, {50, 0, 0}, {0, 60, 0}, {0, 0, 70}, {50, 60, 0}, {50, 60, 70}};
     for (const auto& p : places) {
@@ -294,7 +294,7 @@ TEST_F(Calibrate, RegistersMeasuredPairsAndTheTrackerTakesTheResult) {
     EXPECT_THAT(other.err, AllOf(HasSubstr("of device 'simulated'"), HasSubstr("eti-calibrate")));
 }
 
-TEST_F(Calibrate, FindsATipAndRefusesWhatDoesNotTell) {
+TEST_F(Calibrate, FindsTipAndRefusesDegeneratePoses) {
     std::string poses, still;
     for (int i = 0; i < 40; ++i) {
         const double a = 0.6 * std::sin(0.7 * i), b = 0.6 * std::cos(1.1 * i);
@@ -330,7 +330,7 @@ TEST_F(Calibrate, FindsATipAndRefusesWhatDoesNotTell) {
     EXPECT_THAT(refused.err, HasSubstr("turned too little"));
 }
 
-TEST_F(Calibrate, SimulatesWhatToExpect) {
+TEST_F(Calibrate, SimulatesTheExpectedError) {
     const Done done = run(ETI_CALIBRATE, {"simulate", "--trials", "50", "--json"});
     ASSERT_EQ(done.status, 0) << done.err;
     for (const auto& row : nlohmann::json::parse(done.out)) {
@@ -338,7 +338,7 @@ TEST_F(Calibrate, SimulatesWhatToExpect) {
     }
 }
 
-TEST(Controller, PassesCommandsOnAndHearsTheAnswers) {
+TEST(Controller, SendsCommandsAndReceivesAnswers) {
     bus::Node node(test::bus_options("eti-server"));
     bus::Subscriber<msg::Command> commands(node, bus::topics::command);
     bus::Publisher<msg::CommandResult> answers(node, bus::topics::command_result);
@@ -379,7 +379,7 @@ TEST(Controller, PassesCommandsOnAndHearsTheAnswers) {
     ::unlink(pad.c_str());
 }
 
-TEST(Haptics, ThePanicSignalLetsGoAndIsCounted) {
+TEST(Haptics, EmergencyStopReleasesForceAndIsCounted) {
     Running program(ETI_HAPTICS, with("simulated", {"--json"}));
     ASSERT_TRUE(program.says("held still")) << program.err();
     std::this_thread::sleep_for(300ms);
@@ -394,8 +394,8 @@ TEST(Haptics, ThePanicSignalLetsGoAndIsCounted) {
     EXPECT_GT(result.at("compute_us").at("p99"), 0.0);
 }
 
-// Keys that are no letters too: Home, and those that would stop the output or the process.
-TEST(Haptics, AnyKeyLetsGoAndRGivesForcesBack) {
+// Also keys that are not letters: Home, and those that would stop the output or the process.
+TEST(Haptics, AnyKeyReleasesAndRRestoresForces) {
     for (const char* key : {" ", "\x1b[H", "\x13", "\x1a"}) {
         Running program(ETI_HAPTICS, with("simulated"), true);
         ASSERT_TRUE(program.says("any key lets go")) << program.err();
@@ -409,7 +409,7 @@ TEST(Haptics, AnyKeyLetsGoAndRGivesForcesBack) {
     }
 }
 
-TEST(Haptics, ATerminalThatIsClosedEndsItInOrder) {
+TEST(Haptics, ClosingTheTerminalEndsItCleanly) {
     Running program(ETI_HAPTICS, with("simulated"), true);
     ASSERT_TRUE(program.says("any key lets go")) << program.err();
     program.hang_up();
@@ -417,13 +417,13 @@ TEST(Haptics, ATerminalThatIsClosedEndsItInOrder) {
     EXPECT_THAT(program.err(), HasSubstr("ended: interrupted"));
 }
 
-TEST(Haptics, HoldsTheTubeWhereItIsAsked) {
+TEST(Haptics, PublishesPosesWithTheTube) {
     Running program(ETI_HAPTICS, with("simulated", {"--json", "--tool", "tube", "--duration", "2.5"}));
     EXPECT_EQ(program.wait(), 0) << program.err();
     EXPECT_GT(nlohmann::json::parse(program.out()).at("poses_published"), 40);
 }
 
-TEST(Haptics, ASilenceThatIsNoTimeIsRefused) {
+TEST(Haptics, InvalidSilenceLimitIsRefused) {
     for (const char* silence : {"nan", "19", "1001", "-300", "long"}) {
         const Done done = run(ETI_HAPTICS, with("simulated", {"--silence-ms", silence, "--duration", "1"}));
         EXPECT_GT(done.status, 0) << silence;
@@ -431,7 +431,7 @@ TEST(Haptics, ASilenceThatIsNoTimeIsRefused) {
     }
 }
 
-TEST(Haptics, AVendorsLibraryThatIsNotThereIsNamed) {
+TEST(Haptics, MissingVendorLibraryIsNamed) {
     const Done done = run(ETI_HAPTICS, with("openhaptics", {"--library", "/nowhere/libHD.so"}));
     EXPECT_GT(done.status, 0);
     EXPECT_THAT(done.err, AllOf(HasSubstr("/nowhere/libHD.so"), HasSubstr("Install OpenHaptics")));

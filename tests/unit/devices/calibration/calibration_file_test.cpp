@@ -35,7 +35,7 @@ class CalibrationFile : public ::testing::Test {
         testing::TempDir() + "eti_calibration_" + std::to_string(::getpid()) + ".yaml";
 };
 
-TEST_F(CalibrationFile, ComesBackAsItWasWritten) {
+TEST_F(CalibrationFile, RoundTrips) {
     Calibration c;
     c.registered = false;
     c.device = "openhaptics";
@@ -60,7 +60,7 @@ TEST_F(CalibrationFile, ComesBackAsItWasWritten) {
     EXPECT_LT((back.tool.translation - c.tool.translation).norm(), 1e-6f);
 }
 
-TEST_F(CalibrationFile, NonsenseIsRefusedByPlaceAndRemedy) {
+TEST_F(CalibrationFile, InvalidFileErrorNamesPlaceAndRemedy) {
     const auto load = [](const auto& file) { return load_calibration(file); };
     write("device: openhaptics\n");
     EXPECT_THAT(refusal(load), AllOf(HasSubstr("to_patient"), HasSubstr("eti-calibrate")));
@@ -74,7 +74,7 @@ TEST_F(CalibrationFile, NonsenseIsRefusedByPlaceAndRemedy) {
     EXPECT_THROW(save_calibration({}, "/nowhere/at/all.yaml"), InputError);
 }
 
-TEST_F(CalibrationFile, PointsAndPosesNameTheLineThatIsWrong) {
+TEST_F(CalibrationFile, PointAndPoseErrorsNameTheLine) {
     write("points:\n  - {name: a, patient_mm: [1, 2, 3], device_mm: [4, 5, 6]}\n");
     EXPECT_LT((load_points(file_, true)[0].device - Eigen::Vector3d(4e-3, 5e-3, 6e-3)).norm(), 1e-9);
     write("points:\n  - {name: a, patient_mm: [1, 2, 3]}\n");
@@ -89,11 +89,11 @@ TEST_F(CalibrationFile, PointsAndPosesNameTheLineThatIsWrong) {
     EXPECT_THAT(refusal([](const auto& file) { return load_poses(file); }), HasSubstr("unit quaternion"));
 }
 
-/// A device that stands still and remembers what it was given.
+/// A device at rest that records the wrench it receives.
 class Still final : public Sensor {
   public:
     explicit Still(Wrench& given, const bool& broken) : given_(given), broken_(broken) {}
-    [[nodiscard]] Abilities abilities() const override { return {.force = 8.0f, .torque = 0.5f}; }
+    [[nodiscard]] DeviceCapabilities capabilities() const override { return {.force = 8.0f, .torque = 0.5f}; }
     Reading exchange(const Wrench& wrench, float) override {
         given_ = wrench;
         Reading reading;
@@ -112,8 +112,9 @@ class Still final : public Sensor {
     const bool& broken_;
 };
 
-// Power is the same in both frames and at both points: force times velocity plus torque times turning.
-TEST(CalibratedSensor, GivesTheToolsPoseAndKeepsPower) {
+// Power is the same in both frames and at both points: force times velocity plus torque times angular
+// velocity.
+TEST(CalibratedSensor, ReturnsToolPoseAndConservesPower) {
     Calibration c;
     c.to_patient = {quaternion_from({1.0f, 0.3f, 0}), {0.3f, 0.2f, -0.1f}};
     c.tool = {quaternion_from({0, 1.5f, 0}), {0.01f, 0.05f, -0.06f}};
@@ -134,7 +135,7 @@ TEST(CalibratedSensor, GivesTheToolsPoseAndKeepsPower) {
     EXPECT_GT(std::abs(outside), 0.1f);
 }
 
-TEST(CalibratedSensor, AsksMotorsForNothingTheyCannotGive) {
+TEST(CalibratedSensor, CommandedWrenchIsWithinMotorLimits) {
     Calibration c;
     c.tool = {Quatf::Identity(), {0, 0, -0.1f}};
     Wrench given;
@@ -145,7 +146,7 @@ TEST(CalibratedSensor, AsksMotorsForNothingTheyCannotGive) {
     (void)sensor.exchange(far, 1e-3f);
     EXPECT_EQ(given.force.norm(), 8.0f);
     EXPECT_NEAR(given.torque.norm(), 0.5f, 1e-6f);
-    // A pose that is not finite tells no arm; the last one does.
+    // A non-finite pose has no lever arm; the last valid one is used.
     broken = true;
     (void)sensor.exchange(far, 1e-3f);
     (void)sensor.exchange(far, 1e-3f);

@@ -26,7 +26,7 @@ Isometry3d truth() {
     return pose;
 }
 
-/// Corners of a box of 100 x 60 x 40 mm, measured by a device that stands at truth(), without noise.
+/// Corners of a box of 100 x 60 x 40 mm, measured without noise by a device placed at truth().
 std::vector<PointPair> box() {
     std::vector<PointPair> pairs;
     for (int corner = 0; corner < 8; ++corner) {
@@ -64,7 +64,7 @@ TEST(RigidFit, NeverMirrors) {
     pairs.resize(4);
     EXPECT_LT(apart(fit_rigid(pairs), truth()), 1e-12);
     EXPECT_NEAR(fit_rigid(pairs).linear().determinant(), 1.0, 1e-12);
-    // Points measured by a device that mirrors fit no rigid transform, and none is made up.
+    // Points measured by a mirroring device fit no rigid transform, and none is invented.
     auto mirrored = box();
     for (PointPair& pair : mirrored) {
         pair.device.x() = -pair.device.x();
@@ -73,18 +73,18 @@ TEST(RigidFit, NeverMirrors) {
     EXPECT_THAT(refusal(mirrored), HasSubstr("mirrors"));
 }
 
-TEST(RigidFit, SaysWherePointsInAPlaneLeaveTheHandednessOpen) {
-    EXPECT_FALSE(fit_robustly(box()).handedness_open);
+TEST(RigidFit, CoplanarPointsLeaveHandednessOpen) {
+    EXPECT_FALSE(fit_robustly(box()).handedness_ambiguous);
     auto flat = box();
     flat.resize(4);
-    EXPECT_TRUE(fit_robustly(flat).handedness_open);
-    // Which matters: measured by a device that mirrors, which a box tells, they fit without a rest.
+    EXPECT_TRUE(fit_robustly(flat).handedness_ambiguous);
+    // Coplanar points from a mirroring device, which a box reveals, fit without residual.
     for (PointPair& pair : flat) {
         pair.device.x() = -pair.device.x();
     }
     const RigidFit mirrored = fit_robustly(flat);
     EXPECT_LT(mirrored.fiducial_error, 1e-12);
-    EXPECT_TRUE(mirrored.handedness_open);
+    EXPECT_TRUE(mirrored.handedness_ambiguous);
 }
 
 // FRE's expectation: FLE^2 (1 - 2 / N) (Sibson 1979; Fitzpatrick, West & Maurer 1998).
@@ -111,7 +111,7 @@ TEST(RigidFit, FiducialErrorHasItsExpectedSize) {
     EXPECT_NEAR(sum / trials / expected, 1.0, 0.03);
 }
 
-TEST(RigidFit, OutliersAreFoundAndLeftOut) {
+TEST(RigidFit, OutliersAreRejected) {
     auto pairs = box();
     pairs[2].device += Vector3d(0.02, 0, 0);
     pairs[5].device += Vector3d(0, -0.05, 0.03);
@@ -124,7 +124,7 @@ TEST(RigidFit, OutliersAreFoundAndLeftOut) {
     EXPECT_THAT(refusal(pairs), AllOf(HasSubstr("5 of 8"), HasSubstr("again")));
 }
 
-TEST(RigidFit, ManyPointsAreSampledToTheSameResult) {
+TEST(RigidFit, SampledFitMatchesForManyPoints) {
     Random random(8);
     std::vector<PointPair> pairs;
     for (int i = 0; i < 60; ++i) {
@@ -138,7 +138,7 @@ TEST(RigidFit, ManyPointsAreSampledToTheSameResult) {
     EXPECT_LT(apart(fit_robustly(pairs).transform, truth()), 1e-12);
 }
 
-TEST(RigidFit, TooFewCollinearAndSenselessPointsAreRefusedWithTheRemedy) {
+TEST(RigidFit, DegeneratePointsErrorNamesTheRemedy) {
     auto pairs = box();
     pairs.resize(3);
     EXPECT_THAT(refusal(pairs), AllOf(HasSubstr("3 pairs"), HasSubstr("Collect 1 more")));
@@ -155,7 +155,7 @@ TEST(RigidFit, TooFewCollinearAndSenselessPointsAreRefusedWithTheRemedy) {
     EXPECT_THAT(refusal(bad), HasSubstr("'3'"));
 }
 
-TEST(RigidFit, SaysWhereToCollectMore) {
+TEST(RigidFit, AdviceNamesWhereToCollectMore) {
     std::vector<PointPair> narrow;
     for (int i = 0; i < 8; ++i) {
         const Vector3d p(i % 2 ? 0.007 : -0.007, 0, 0.02 * i);
@@ -209,14 +209,14 @@ TEST(PivotFit, ATipThatSlippedIsRefused) {
     for (std::size_t i = slipped.size() / 2; i < slipped.size(); ++i) {
         slipped[i].translation().x() += 0.02;
     }
-    // Half the poses 10 mm to either side of their mean: near 10 mm RMS, less what the fit makes up for.
+    // Half the poses 10 mm to either side of their mean: near 10 mm RMS, less what the fit compensates.
     EXPECT_THAT(pivot_refusal(slipped), AllOf(HasSubstr("did not rest"), HasSubstr("at most 3 mm"),
                                               HasSubstr("w x y z"), Not(HasSubstr("write w first"))));
-    // The coarsest sensor, 1.4 mm RMS over the three axes, is taken.
+    // The coarsest sensor, 1.4 mm RMS over the three axes, is accepted.
     EXPECT_EQ(pivot_refusal(swings(0.7, 1.4e-3 / std::sqrt(3.0))), "");
 }
 
-TEST(PivotFit, AnotherOrderOfTheTurnsNumbersIsNamed) {
+TEST(PivotFit, WrongQuaternionOrderIsNamed) {
     auto last = swings(0.7, 0.2e-3), inverse = last;
     for (Isometry3d& pose : last) {
         const Eigen::Quaterniond q(pose.linear());
@@ -229,7 +229,7 @@ TEST(PivotFit, AnotherOrderOfTheTurnsNumbersIsNamed) {
     EXPECT_THAT(pivot_refusal(inverse), HasSubstr("inverse turns"));
 }
 
-TEST(PivotFit, PlacesInMetresAreRefused) {
+TEST(PivotFit, PositionsInMetresAreRefused) {
     auto metres = swings(0.7, 0.2e-3);
     for (Isometry3d& pose : metres) {
         pose.translation() *= 1e-3;  // read as millimetres

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "tests/support/bus_domain.hpp"
 #include "tests/support/eventually.hpp"
 

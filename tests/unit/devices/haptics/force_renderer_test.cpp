@@ -16,16 +16,16 @@ namespace {
 
 constexpr float renderer_dt = 1e-3f;
 constexpr std::int64_t ms_in_ns = 1'000'000;
-// Cycles by which a new force is there: a message in every cycle starts the smoothing over 5.6 ms anew, and
-// 1 - 0.18 to this power is 1e-9.
+// Cycles until a new force is reached: a message in every cycle restarts the smoothing over 5.6 ms, and 1 -
+// 0.18 to this power is 1e-9.
 constexpr int settled = 100;
 
 Motion still(const Vec3f& at = Vec3f::Zero()) {
     return {{Quatf::Identity(), at}, Vec3f::Zero(), Vec3f::Zero()};
 }
 
-/// A renderer whose force is engaged and ramped up on a still, free device.
-class Engaged : public ::testing::Test {
+/// A renderer whose force is engaged and fully ramped up on a free device at rest.
+class EngagedRenderer : public ::testing::Test {
   protected:
     void SetUp() override {
         for (int i = 0; i < 600; ++i) {
@@ -33,7 +33,7 @@ class Engaged : public ::testing::Test {
         }
     }
 
-    /// A millisecond passes; the server is heard unless `silent`.
+    /// Advances by a millisecond; a server message arrives unless `silent`.
     Wrench cycle(bool silent = false) {
         now_ += ms_in_ns;
         if (!silent) {
@@ -49,7 +49,7 @@ class Engaged : public ::testing::Test {
     std::int64_t now_ = 1'000 * ms_in_ns;
 };
 
-TEST_F(Engaged, TheCouplingsSpringIsFelt) {
+TEST_F(EngagedRenderer, TheCouplingsSpringIsFelt) {
     // 2 mm above the device, held there by a floor: 800 N/m * 2 mm = 1.6 N up.
     scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
     scene_.proxy.normals[0] = Vec3f::UnitY();
@@ -61,7 +61,7 @@ TEST_F(Engaged, TheCouplingsSpringIsFelt) {
     EXPECT_LT((wrench.force - Vec3f(0, 1.6f, 0)).norm(), 1e-5f);
 }
 
-TEST_F(Engaged, TheTissuesForceIsFeltInNewtons) {
+TEST_F(EngagedRenderer, TheTissuesForceIsFeltInNewtons) {
     scene_.tissue.wrench = {{1.0f, 0.5f, 0}, {0, 0.02f, 0}};
     Wrench wrench;
     for (int i = 0; i < settled; ++i) {
@@ -71,7 +71,7 @@ TEST_F(Engaged, TheTissuesForceIsFeltInNewtons) {
     EXPECT_LT((wrench.torque - Vec3f(0, 0.02f, 0)).norm(), 1e-7f);
 }
 
-TEST_F(Engaged, OnlyTheModesOwnSoftForceCounts) {
+TEST_F(EngagedRenderer, RendersOnlyTheSelectedSoftForce) {
     settings_.soft_force = SoftForce::displacement;
     ForceRenderer displacement(settings_);
     scene_.blade[0] = {{0, 0, 0}, {0, 0, 0.1f}, 4e-3f};
@@ -79,7 +79,7 @@ TEST_F(Engaged, OnlyTheModesOwnSoftForceCounts) {
     scene_.tissue.count = 1;
     scene_.tissue.wrench.force = {3, 0, 0};
     scene_.proxy_arrived = scene_.tissue_arrived = now_;
-    // A device that wakes up touching is not quiet; wake it up clear of the tissue.
+    // A device that starts in contact is not quiet; start it clear of the tissue.
     SceneState clear = scene_;
     clear.tissue = {};
     for (int i = 0; i < 600; ++i) {
@@ -92,7 +92,7 @@ TEST_F(Engaged, OnlyTheModesOwnSoftForceCounts) {
     EXPECT_LT((wrench.force - Vec3f(0, 1e-3f * tissue_stiffness()[1], 0)).norm(), 1e-6f);
 }
 
-TEST_F(Engaged, NothingExceedsTheDevicesRangeOrRate) {
+TEST_F(EngagedRenderer, NothingExceedsTheDevicesRangeOrRate) {
     Random random(5);
     Wrench last = cycle();
     for (int i = 0; i < 3000; ++i) {
@@ -107,7 +107,7 @@ TEST_F(Engaged, NothingExceedsTheDevicesRangeOrRate) {
     }
 }
 
-TEST_F(Engaged, WhatIsNotFiniteGivesNothingAtOnceAndForGood) {
+TEST_F(EngagedRenderer, NonFiniteForceDisengagesImmediately) {
     for (const float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         SetUp();
@@ -131,7 +131,7 @@ TEST_F(Engaged, WhatIsNotFiniteGivesNothingAtOnceAndForGood) {
     }
 }
 
-TEST_F(Engaged, ALateCycleGivesNoMoreThanOneInTime) {
+TEST_F(EngagedRenderer, LateCycleDoesNotExceedRateLimit) {
     const float most = settings_.coupling.force_rate_limit * settings_.safety.longest_cycle;
     scene_.tissue.wrench.force = {5.0f, 0, 0};
     now_ += 15 * ms_in_ns;
@@ -139,7 +139,7 @@ TEST_F(Engaged, ALateCycleGivesNoMoreThanOneInTime) {
     EXPECT_LE(renderer_.cycle(device_, scene_, now_, 15e-3f).force.norm(), 1.001f * most);
 }
 
-TEST_F(Engaged, ALoopThatStoodStillBeginsAnewByTheRamp) {
+TEST_F(EngagedRenderer, StalledLoopRestartsWithTheRamp) {
     scene_.tissue.wrench.force = {5.0f, 0, 0};
     for (int i = 0; i < settled; ++i) {
         (void)cycle();
@@ -159,7 +159,7 @@ TEST_F(Engaged, ALoopThatStoodStillBeginsAnewByTheRamp) {
     EXPECT_GT(cycle().force.norm(), 4.9f);
 }
 
-TEST_F(Engaged, AMessageThatComesInAfterTheCycleBeganIsNoOldOne) {
+TEST_F(EngagedRenderer, MessageNewerThanTheCycleIsFresh) {
     scene_.tissue.wrench.force = {2.0f, 0, 0};
     for (int i = 0; i < settled; ++i) {
         (void)cycle();
@@ -170,7 +170,7 @@ TEST_F(Engaged, AMessageThatComesInAfterTheCycleBeganIsNoOldOne) {
     EXPECT_FALSE(renderer_.stale());
 }
 
-TEST_F(Engaged, ATorqueIsNotQuietEither) {
+TEST_F(EngagedRenderer, TorqueCountsAsNotQuiet) {
     ForceRenderer waking(settings_);
     scene_.tissue.wrench.torque = {0, 0.1f, 0};
     for (int i = 0; i < 1000; ++i) {
@@ -180,7 +180,7 @@ TEST_F(Engaged, ATorqueIsNotQuietEither) {
     }
 }
 
-TEST_F(Engaged, SilenceHoldsTheForceThenFadesItBy300ms) {
+TEST_F(EngagedRenderer, SilenceHoldsTheForceThenFadesItBy300ms) {
     scene_.tissue.wrench.force = {settings_.coupling.force_limit, 0, 0};
     for (int i = 0; i < 50; ++i) {
         (void)cycle();
@@ -201,7 +201,7 @@ TEST_F(Engaged, SilenceHoldsTheForceThenFadesItBy300ms) {
         }
         last = wrench;
     }
-    // And is back within 0.3 s, without a jolt.
+    // It is back within 0.3 s, without a jolt.
     const float steepest = all * renderer_dt / settings_.safety.return_time;
     for (int i = 0; i < 300; ++i) {
         const Wrench wrench = cycle();
@@ -212,7 +212,7 @@ TEST_F(Engaged, SilenceHoldsTheForceThenFadesItBy300ms) {
     EXPECT_FALSE(renderer_.stale());
 }
 
-TEST_F(Engaged, WhatHadOnlyBegunToFadeGoesOnFromThere) {
+TEST_F(EngagedRenderer, PartialFadeRecoversFromRemainingForce) {
     scene_.tissue.wrench.force = {4.0f, 0, 0};
     for (int i = 0; i < 200; ++i) {
         (void)cycle(i >= 50);
@@ -227,11 +227,11 @@ TEST_F(Engaged, WhatHadOnlyBegunToFadeGoesOnFromThere) {
     EXPECT_NEAR(force, 4.0f, 1e-4f) << "a newton takes a quarter of the time that all four would";
 }
 
-/// The device 2 mm in a floor; then silence.
-class OnAFloor : public Engaged {
+/// The device 2 mm in a floor; then no messages.
+class RendererOnFloor : public EngagedRenderer {
   protected:
     void SetUp() override {
-        Engaged::SetUp();
+        EngagedRenderer::SetUp();
         scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
         scene_.proxy.normals[0] = Vec3f::UnitY();
         scene_.proxy.contacts = 1;
@@ -250,7 +250,7 @@ class OnAFloor : public Engaged {
     }
 };
 
-TEST_F(OnAFloor, AKnownFloorIsFeltThroughAGapAndNeverPulls) {
+TEST_F(RendererOnFloor, FloorPersistsThroughAGapAndNeverPulls) {
     EXPECT_NEAR(silent(0.0f, 40), 1.6f, 1e-4f);
     EXPECT_NEAR(silent(-1e-3f, 10), 2.4f, 1e-4f);
     EXPECT_NEAR(silent(1.5e-3f, 10), 0.4f, 1e-4f);
@@ -260,7 +260,7 @@ TEST_F(OnAFloor, AKnownFloorIsFeltThroughAGapAndNeverPulls) {
 }
 
 // The posture changed meanwhile: the floor has come 4 mm nearer, 3.2 N more, over 0.1 s.
-TEST_F(OnAFloor, AProxyThatMovedInAGapComesBackByTheRamp) {
+TEST_F(RendererOnFloor, ProxyMovedDuringAGapRampsIn) {
     float last = silent(0.0f, 60);
     scene_.proxy.proxy.pose.translation.y() = 6e-3f;
     const float most = settings_.coupling.force_limit * renderer_dt / settings_.safety.return_time;
@@ -274,7 +274,7 @@ TEST_F(OnAFloor, AProxyThatMovedInAGapComesBackByTheRamp) {
     EXPECT_NEAR(cycles, 3.2f / most, 3);
 }
 
-TEST_F(OnAFloor, AFloorThatWentAwayInAGapIsLetGoOfAtTheLimitOfTheRate) {
+TEST_F(RendererOnFloor, RemovedFloorIsReleasedAtRateLimit) {
     (void)silent(0.0f, 60);
     scene_.proxy.contacts = 0;
     scene_.proxy.proxy.pose.translation.y() = 0.0f;
@@ -284,21 +284,21 @@ TEST_F(OnAFloor, AFloorThatWentAwayInAGapIsLetGoOfAtTheLimitOfTheRate) {
     EXPECT_EQ(cycle().force.norm(), 0.0f);
 }
 
-TEST_F(OnAFloor, AMessageThatIsRefusedEndsWhatIsHeldAtOnce) {
+TEST_F(RendererOnFloor, RefusedMessageZeroesForceImmediately) {
     EXPECT_GT(silent(0.0f, 60), 1.59f);
     scene_.proxy_arrived = 0;  // as SceneLink leaves it
     now_ += ms_in_ns;
     EXPECT_EQ(renderer_.cycle(device_, scene_, now_, renderer_dt).force.norm(), 0.0f);
 }
 
-TEST_F(OnAFloor, ADeviceThatIsNoNumberEndsWhatIsHeldAtOnce) {
+TEST_F(RendererOnFloor, NonFiniteDevicePoseZeroesForceImmediately) {
     EXPECT_GT(silent(0.0f, 60), 1.59f);
     device_.pose.translation.x() = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(cycle(true).force.norm(), 0.0f);
 }
 
-// Into a wall that nobody told of: 4 mm deep when the message comes.
-TEST_F(Engaged, AContactMadeInAGapComesInByTheRamp) {
+// Into a wall not reported before: 4 mm deep when the message arrives.
+TEST_F(EngagedRenderer, ContactMadeDuringAGapRampsIn) {
     for (int i = 0; i < 80; ++i) {
         EXPECT_LT(cycle(true).force.norm(), 1e-6f);
     }
@@ -316,9 +316,9 @@ TEST_F(Engaged, AContactMadeInAGapComesInByTheRamp) {
     EXPECT_NEAR(last, 4.2f, 1e-3f);
 }
 
-// A new message every 5.6 ms that says 1 N more or less each time: the force follows within a message, and no
-// cycle carries more than its share of the step.
-TEST_F(Engaged, TheForceNeverStepsAtTheServersRate) {
+// A new message every 5.6 ms that alternates by 1 N: the force follows within a message, and no cycle carries
+// more than its share of the step.
+TEST_F(EngagedRenderer, ServerUpdatesCauseNoForceSteps) {
     scene_.tissue.wrench.force = {2.0f, 0, 0};
     for (int i = 0; i < 50; ++i) {
         (void)cycle();
@@ -343,7 +343,7 @@ TEST_F(Engaged, TheForceNeverStepsAtTheServersRate) {
     EXPECT_GE(most, 0.15f);
 }
 
-TEST_F(Engaged, ReleasedThereIsNothingUntilTheDeviceIsQuietAndThenTheRamp) {
+TEST_F(EngagedRenderer, ReleaseRequiresQuietBeforeTheRamp) {
     scene_.tissue.wrench.force = {3.0f, 0, 0};
     for (int i = 0; i < 50; ++i) {
         (void)cycle();
@@ -360,8 +360,9 @@ TEST_F(Engaged, ReleasedThereIsNothingUntilTheDeviceIsQuietAndThenTheRamp) {
     EXPECT_LT(cycle().force.norm(), 1.0f);
 }
 
-// Forces that come back under a pressing hand push it out; that is no oscillation to be braked.
-TEST_F(Engaged, WhatTheRampGivesIsNotAskedBack) {
+// Forces that return under a pressing hand push it out; this is no oscillation that passivity control should
+// damp.
+TEST_F(EngagedRenderer, PassivityDoesNotOpposeTheRamp) {
     scene_.tissue.wrench.force = {5.0f, 0, 0};
     renderer_.release();
     scene_.tissue.wrench.force = Vec3f::Zero();
@@ -380,11 +381,11 @@ TEST_F(Engaged, WhatTheRampGivesIsNotAskedBack) {
     EXPECT_EQ(renderer_.passivity().active_cycles(), 0u);
 }
 
-TEST_F(Engaged, ATubeIsFeltByItsOwnForceAlone) {
+TEST_F(EngagedRenderer, TubeRendersOnlyItsOwnForce) {
     settings_.tool = Tool::tube;
     renderer_ = ForceRenderer(settings_);
     SetUp();
-    scene_.proxy.proxy.pose.translation = {0, 5e-3f, 0};  // of the blade: not the tube's business
+    scene_.proxy.proxy.pose.translation = {0, 5e-3f, 0};  // of the blade: irrelevant for the tube
     scene_.proxy.device.translation = {1, 1, 1};
     scene_.tissue.wrench = {{0, 0, -0.8f}, {0.01f, 0, 0}};
     Wrench wrench;
@@ -395,8 +396,8 @@ TEST_F(Engaged, ATubeIsFeltByItsOwnForceAlone) {
     EXPECT_LT((wrench.torque - Vec3f(0.01f, 0, 0)).norm(), 1e-7f);
 }
 
-// What the blade touches is no lever for the tube.
-TEST_F(Engaged, ATubeWithoutTorqueKeepsItsForceWhereverTheBladeIs) {
+// The blade's contacts apply no torque to the tube.
+TEST_F(EngagedRenderer, TubeForceIgnoresBladeContact) {
     settings_.tool = Tool::tube;
     settings_.torque = false;
     renderer_ = ForceRenderer(settings_);
@@ -414,8 +415,8 @@ TEST_F(Engaged, ATubeWithoutTorqueKeepsItsForceWhereverTheBladeIs) {
 }
 
 // 2 N along z at a gimbal 60 mm from the tool's origin, about which the tool turns by 0.2 rad: the gimbal
-// goes 0.06 m * sin 0.2 along the force.
-TEST_F(Engaged, WithoutTorqueEnergyIsThatOfTheGimbal) {
+// moves 0.06 m * sin 0.2 along the force.
+TEST_F(EngagedRenderer, WithoutTorqueEnergyIsTakenAtTheGimbal) {
     settings_.torque = false;
     settings_.gimbal = {0, 0.06f, 0};
     settings_.passivity.on = false;
@@ -435,8 +436,8 @@ TEST_F(Engaged, WithoutTorqueEnergyIsThatOfTheGimbal) {
 }
 
 // The blade is levered on a gum at the origin: the shell turns the proxy back by 0.1 rad, 0.15 N m. Without
-// torque, the gimbal 60 mm up the handle pulls with 0.15 / 0.06 = 2.5 N square to its arm.
-TEST_F(Engaged, WithoutTorqueTheGumIsFeltAtTheGimbal) {
+// torque, the gimbal 60 mm up the handle pulls with 0.15 / 0.06 = 2.5 N perpendicular to its arm.
+TEST_F(EngagedRenderer, WithoutTorqueTheGumIsFeltAtTheGimbal) {
     settings_.torque = false;
     settings_.gimbal = {0, 0.06f, 0};
     settings_.coupling.torque_limit = 0.0f;
@@ -453,7 +454,7 @@ TEST_F(Engaged, WithoutTorqueTheGumIsFeltAtTheGimbal) {
     EXPECT_EQ(wrench.torque.norm(), 0.0f);
 }
 
-TEST_F(Engaged, TissueThatFallsSilentAloneFadesAlone) {
+TEST_F(EngagedRenderer, SilentTissueFadesIndependently) {
     scene_.tissue.wrench.force = {2.0f, 0, 0};
     scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
     scene_.proxy.normals[0] = Vec3f::UnitY();
@@ -468,7 +469,7 @@ TEST_F(Engaged, TissueThatFallsSilentAloneFadesAlone) {
         }
     }
     EXPECT_LT((wrench.force - Vec3f(0, 1.6f, 0)).norm(), 1e-4f);
-    // And comes back by the ramp.
+    // It returns by the ramp.
     EXPECT_LT(cycle().force.x(), 0.1f);
     for (int i = 0; i < 200; ++i) {
         wrench = cycle();
@@ -476,14 +477,14 @@ TEST_F(Engaged, TissueThatFallsSilentAloneFadesAlone) {
     EXPECT_NEAR(wrench.force.x(), 2.0f, 1e-3f);
 }
 
-TEST(ForceRenderer, WithoutAnySceneThereIsNoForce) {
+TEST(ForceRenderer, WithoutASceneForceIsZero) {
     ForceRenderer renderer({});
     for (int i = 1; i < 1000; ++i) {
         ASSERT_EQ(renderer.cycle(still({0.1f, 0, 0}), {}, i * ms_in_ns, renderer_dt).force.norm(), 0.0f);
     }
 }
 
-TEST(ForceRenderer, WakingUpInsideSomethingDoesNotKick) {
+TEST(ForceRenderer, StartingInContactGivesNoForce) {
     ForceRenderer renderer({});
     SceneState scene;
     scene.proxy.proxy.pose.translation = {0, 4e-3f, 0};
@@ -495,10 +496,10 @@ TEST(ForceRenderer, WakingUpInsideSomethingDoesNotKick) {
     }
 }
 
-/// A server that latches the device's pose every 1/180 s and reports its proxy `latency` later, as the
-/// real one does for a proxy that nothing touches: near the latched pose, trailing by up to 0.6 of the
-/// step's motion as has been measured, with the velocity between the last two poses. Latching,
-/// computing and sending jitter by up to 2 ms.
+/// A server that latches the device's pose every 1/180 s and reports its proxy `latency` later, like the real
+/// one for a proxy without contact. The proxy is near the latched pose, trailing by up to a measured 0.6 of
+/// the step's motion, with the velocity between the last two poses. Latching, computing and sending jitter by
+/// up to 2 ms.
 struct FreeServer {
     struct Sent {
         std::int64_t arrives;
@@ -530,8 +531,8 @@ struct FreeServer {
 
 class FreeHand : public ::testing::TestWithParam<int> {};
 
-// A hand that moves freely at 0.2 m/s feels less than 0.1 N, however late the server is within the
-// stale limit. The proxy as reported would drag it with 0.2 m/s * (latency + 5.6 ms) * 800 N/m.
+// A hand that moves freely at 0.2 m/s feels less than 0.1 N at any latency within the stale limit. The proxy
+// as reported would pull it with 0.2 m/s * (latency + 5.6 ms) * 800 N/m.
 TEST_P(FreeHand, FeelsAlmostNothing) {
     const std::int64_t latency = GetParam() * ms_in_ns;
     const RenderSettings settings;

@@ -13,7 +13,8 @@ Vec3f any(Random& random) {
     return {random.normal(), random.normal(), random.normal()};
 }
 
-// The moment about the contact is that of the wrench, but for the part along the arm that no force has.
+// The moment about the contact is that of the wrench, except for the component along the arm, which no force
+// can produce.
 TEST(GimbalForce, HasTheSameMomentAboutTheContact) {
     Random random(2);
     for (int i = 0; i < 1000; ++i) {
@@ -30,13 +31,13 @@ TEST(GimbalForce, HasTheSameMomentAboutTheContact) {
     }
 }
 
-TEST(GimbalForce, APureForceThroughTheGimbalStaysWhatItIs) {
+TEST(GimbalForce, PureForceThroughGimbalIsUnchanged) {
     const Wrench wrench{{1, 2, 3}, Vec3f::Zero()};
     const Vec3f gimbal(0.1f, 0.2f, 0.3f);
     EXPECT_LT((gimbal_force(wrench, gimbal, {0, 0, 0}, gimbal) - wrench.force).norm(), 1e-6f);
 }
 
-TEST(GimbalForce, AShortArmBoundsIt) {
+TEST(GimbalForce, IsBoundedForAShortArm) {
     const Wrench wrench{Vec3f::Zero(), {0.3f, 0, 0}};
     for (const float arm : {0.0f, 1e-6f, 1e-3f, 0.02f, 0.1f}) {
         EXPECT_LE(gimbal_force(wrench, Vec3f::Zero(), Vec3f::Zero(), {0, arm, 0}).norm(),

@@ -8,7 +8,7 @@
 
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/sensor/hand_sensor.hpp"
-#include "devices/sensor/sensor_watch.hpp"
+#include "devices/sensor/sensor_monitor.hpp"
 #include "tests/support/allocations.hpp"
 
 namespace eti::devices {
@@ -35,7 +35,7 @@ SensorSetup setup_with_script() {
     return setup;
 }
 
-/// A device that a hand shakes as it presses it, so that forces give energy and the controller has work.
+/// A device shaken by a pressing hand, so that forces do work and the controller is active.
 class Shaken final : public Sensor {
   public:
     Reading exchange(const Wrench& wrench, float) override {
@@ -49,17 +49,17 @@ class Shaken final : public Sensor {
         reading.sample = static_cast<std::uint64_t>(cycle_);
         return reading;
     }
-    float torque = 0.0f;  // [N m], most
+    float torque = 0.0f;  // [N m], maximum
 
   private:
     int cycle_ = 0;
 };
 
-/// The blade in a corner of the shell and on tissue, turned back; a message late and after the hand.
+/// The blade in a corner of the shell and on tissue, rotated back; the message is late and behind the hand.
 SceneState pressed_state(int cycle) {
     SceneState state;
     state.blade = make_laryngoscope(Blade::miller_1).capsules;
-    // Forces begin while nothing is felt.
+    // Forces engage while there is no contact.
     if (cycle < 600) {
         state.proxy.device.translation = state.proxy.proxy.pose.translation = {0, -3e-3f, 0};
         return state;
@@ -68,13 +68,13 @@ SceneState pressed_state(int cycle) {
         quaternion_from({0.05f * std::sin(0.01f * static_cast<float>(cycle)), 0, 0});
     state.proxy.proxy.angular_velocity = {0.5f, 0, 0};
     state.proxy.device.translation = {0, -3e-3f, 0};
-    state.proxy.contacts = ProxyReport::most_contacts;
+    state.proxy.contacts = ProxyReport::max_contacts;
     for (std::size_t i = 0; i < state.proxy.contacts; ++i) {
         state.proxy.normals[i] = Vec3f(0.1f * static_cast<float>(i), 1.0f, 0).normalized();
     }
     state.proxy.contact_centre = {0, 0, 0.05f};
     state.tissue.wrench = {{0, 0.5f + 0.4f * std::sin(0.03f * static_cast<float>(cycle)), 0}, {0.01f, 0, 0}};
-    state.tissue.count = TissueReport::most_points;
+    state.tissue.count = TissueReport::max_points;
     for (std::size_t i = 0; i < state.tissue.count; ++i) {
         const float z = 1e-3f * static_cast<float>(i);
         state.tissue.points[i] = {{0, -2e-3f, z}, {0, 1e-3f, z}, 1e-3f, Tissue::tongue, {0, 0.005f, 0}};
@@ -82,7 +82,7 @@ SceneState pressed_state(int cycle) {
     return state;
 }
 
-/// Allocations of so many cycles, each with the messages that `scene` gives for it.
+/// Allocations of that many cycles, each with the messages that `scene` returns for it.
 template <class Scene>
 long allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneState>& newest, const Scene& scene) {
     const long before = test::allocations_here();
@@ -103,7 +103,7 @@ TEST(HapticCycle, AllocatesNothing) {
     auto scene = std::make_unique<TripleBuffer<SceneState>>();
     HapticCycle cycle(sensor, *scene, {});
     const auto free = [&](int i) {
-        // Half-way another session begins and the script starts anew.
+        // Half-way another session begins and the script restarts.
         SceneState state;
         state.seen = setup.start;
         state.session = i < 3000 ? 0 : 1;
@@ -124,11 +124,11 @@ TEST(HapticCycle, AllocatesNothingInContact) {
             settings.torque = torque;
             settings.gimbal = {0, 0.06f, 0};
             Shaken device;
-            SensorWatch watch(device);
+            SensorMonitor watch(device);
             auto scene = std::make_unique<TripleBuffer<SceneState>>();
             HapticCycle cycle(watch, *scene, settings);
             EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed_state), 0);
-            // What is not computed allocates nothing either.
+            // Skipped computations allocate nothing either.
             EXPECT_GT(cycle.record().force_max, 1.0f);
             EXPECT_GT(cycle.renderer().passivity().active_cycles(), 0u);
             EXPECT_EQ(device.torque > 0.01f, torque);
@@ -136,7 +136,7 @@ TEST(HapticCycle, AllocatesNothingInContact) {
     }
 }
 
-TEST(HapticCycle, AllocatesNothingWhereAForceIsLetGo) {
+TEST(HapticCycle, AllocatesNothingWhenReleasingAForce) {
     Shaken device;
     auto scene = std::make_unique<TripleBuffer<SceneState>>();
     HapticCycle cycle(device, *scene, {});
@@ -149,13 +149,13 @@ TEST(HapticCycle, AllocatesNothingWhereAForceIsLetGo) {
     EXPECT_GT(cycle.renderer().not_finite(), 0u);
     const long before = test::allocations_here();
     for (int i = 3000; i < 3400; ++i) {
-        (void)cycle.run(1'000 * ms + i * ms, i % 2 == 0);  // silence, and the panic key
+        (void)cycle.run(1'000 * ms + i * ms, i % 2 == 0);  // no messages, and the panic key
     }
     EXPECT_EQ(test::allocations_here(), before);
     EXPECT_GT(cycle.record().stale_cycles, 0u);
 }
 
-/// A device that may be away.
+/// A device that may be disconnected.
 class Coming final : public Sensor {
   public:
     Reading exchange(const Wrench& wrench, float) override {
@@ -168,7 +168,7 @@ class Coming final : public Sensor {
     Wrench given;
 };
 
-TEST(HapticCycle, ADeviceThatGoesOrAPersonWhoWantsItGetsNoForceAtOnce) {
+TEST(HapticCycle, DeviceLossOrStopZeroesForceImmediately) {
     Coming sensor;
     auto scene = std::make_unique<TripleBuffer<SceneState>>();
     HapticCycle cycle(sensor, *scene, {});
@@ -200,11 +200,11 @@ TEST(HapticCycle, ADeviceThatGoesOrAPersonWhoWantsItGetsNoForceAtOnce) {
     EXPECT_NEAR(sensor.given.force.x(), 2.0f, 1e-5f);
     EXPECT_TRUE(pass(1, 2.0f, true));
     EXPECT_EQ(sensor.given.force.norm(), 0.0f);
-    EXPECT_EQ(cycle.record().stopped_cycles, 1u);
+    EXPECT_EQ(cycle.record().emergency_stop_cycles, 1u);
     EXPECT_EQ(cycle.record().absent_cycles, 2u);
 }
 
-TEST(SimulationTime, IsCarriedOnAtTheSimulationsPaceWithinTwoSteps) {
+TEST(SimulationTime, IsExtrapolatedByAtMostTwoSteps) {
     SimulationTime time;
     SceneState scene;
     scene.seen.time = 3.0;
@@ -212,7 +212,7 @@ TEST(SimulationTime, IsCarriedOnAtTheSimulationsPaceWithinTwoSteps) {
     scene.pace = 0.5f;
     EXPECT_NEAR(time.at(scene, 1'004 * ms), 3.002, 1e-9);
     EXPECT_NEAR(time.at(scene, 5'000 * ms), 3.0 + 2.0 / 180.0, 1e-9);
-    // The next message is about an earlier time than was guessed: time stands still, it does not go back.
+    // The next message is about an earlier time than predicted: time stops, it does not go back.
     scene.seen.time = 3.0 + 1.0 / 180.0;
     scene.proxy_arrived = 5'000 * ms;
     EXPECT_NEAR(time.at(scene, 5'001 * ms), 3.0 + 2.0 / 180.0, 1e-9);

@@ -12,8 +12,8 @@
 namespace eti::devices {
 namespace {
 
-/// The server's side of the bus: answers the device's newest pose at 180 Hz with a proxy held off it
-/// by `push` along a floor's normal, and a force of the tissue.
+/// The server's side of the bus: answers the device's newest pose at 180 Hz with a proxy displaced by `push`
+/// along a floor's normal, and a force of the tissue.
 class Answering {
   public:
     Answering() : thread_([this] { run(); }) {}
@@ -26,7 +26,7 @@ class Answering {
     }
     std::atomic<float> push{0.0f};    // [m]
     std::atomic<float> tissue{0.0f};  // [N]
-    /// [m], height under which the device presses on tissue, particles on springs of 160 N/m in all.
+    /// [m], height below which the device presses on tissue: particles on springs of 160 N/m in total.
     std::atomic<float> surface{-1.0f};
     std::atomic<std::uint64_t> heard{0};
 
@@ -97,15 +97,15 @@ class Answering {
 
 struct Device {
     bus::Node node{options("device")};
-    SceneLink link{node, SceneLink::Feel::tissue};
+    SceneLink link{node, SceneLink::ForceSource::tissue};
     HandSensor sensor{SensorSetup{}};
     HapticLoop loop;
     Device() : loop(node, sensor, link.newest(), {}) {}
 };
 
-TEST(HapticLoop, ForceIsHeldAndGoneWithin300msOfAServerThatStops) {
-    // The machine may be too busy to answer in time, and then the force fades in and out; what is tested is
-    // the end, so the start is given more time.
+TEST(HapticLoop, ForceEndsWithin300msOfServerStop) {
+    // A busy machine may answer too late, and then the force fades in and out; the test is about the end, so
+    // the start gets more time.
     auto server = std::make_unique<Answering>();
     Device device;
     ASSERT_TRUE(eventually([&] { return server->heard > 200; }));
@@ -120,13 +120,13 @@ TEST(HapticLoop, ForceIsHeldAndGoneWithin300msOfAServerThatStops) {
     device.loop.stop();
     const HapticRecord& record = device.loop.cycle().record();
     ASSERT_GT(record.last_force, record.last_message);
-    // A cycle that came late adds its lateness.
+    // A late cycle adds its lateness.
     const double lateness = record.intervals.longest() - 1e-3;
     EXPECT_LT(static_cast<double>(record.last_force - record.last_message) * 1e-9, 0.300 + lateness);
     EXPECT_GT(static_cast<double>(record.last_force - record.last_message) * 1e-9, 0.290 - lateness);
 }
 
-TEST(HapticLoop, ComesBackWhenTheServerDoes) {
+TEST(HapticLoop, ForceRecoversWithTheServer) {
     Device device;
     auto server = std::make_unique<Answering>();
     ASSERT_TRUE(eventually([&] { return server->heard > 200; }));
@@ -140,7 +140,7 @@ TEST(HapticLoop, ComesBackWhenTheServerDoes) {
     EXPECT_TRUE(eventually([&] { return device.loop.force() > 1.8f; }));
 }
 
-/// A device that is carried to where the test wants it, at 20 mm/s, whatever it feels.
+/// A device moved kinematically to the test's target, at 20 mm/s.
 class Carried final : public Sensor {
   public:
     Reading exchange(const Wrench& wrench, float elapsed) override {
@@ -162,11 +162,12 @@ class Carried final : public Sensor {
     std::uint64_t sample_ = 0;
 };
 
-// Pressed into tissue on springs behind DDS: the hand feels them, where it presses them, and lets go of them.
-TEST(HapticLoop, TissueIsPressedOverTheBus) {
+// Pressed into spring-borne tissue across DDS: the hand feels the springs where it presses them, and no
+// longer after release.
+TEST(HapticLoop, TissueForceArrivesOverTheBus) {
     Answering server;
     bus::Node node(options("pressing"));
-    SceneLink link(node, SceneLink::Feel::tissue);
+    SceneLink link(node, SceneLink::ForceSource::tissue);
     Carried device;
     HapticLoop loop(node, device, link.newest(), {});
     server.surface = -1e-3f;
@@ -176,7 +177,7 @@ TEST(HapticLoop, TissueIsPressedOverTheBus) {
     device.wanted = -6e-3f;
     // 5 mm deep at 160 N/m, to half a particle's share.
     ASSERT_TRUE(eventually([&] { return std::abs(device.force - 0.8f) < 0.02f; })) << device.force;
-    // The particles' middle is 19 mm along the blade: r x F = -z F about x.
+    // The particles' centroid is 19 mm along the blade: r x F = -z F about x.
     EXPECT_TRUE(eventually([&] { return std::abs(device.torque + 0.019f * 0.8f) < 0.019f * 0.02f; }))
         << device.torque;
     device.wanted = 0.0f;
@@ -192,7 +193,7 @@ TEST(HapticLoop, PublishesPosesAtItsRate) {
     const auto begin = std::chrono::steady_clock::now();
     msg::ToolPose pose;
     std::uint32_t first = 0, last = 0;
-    while (last - first < 300 && std::chrono::steady_clock::now() < begin + test::patience) {
+    while (last - first < 300 && std::chrono::steady_clock::now() < begin + test::default_timeout) {
         (void)poses.wait(20ms);
         while (poses.take(pose)) {
             first = first == 0 ? pose.header().number() : first;
@@ -205,7 +206,7 @@ TEST(HapticLoop, PublishesPosesAtItsRate) {
     EXPECT_TRUE(bus::is_valid(pose.pose()));
     EXPECT_LT((bus::from_msg(pose.pose()).translation - parked_pose(Tool::laryngoscope).translation).norm(),
               1e-4f);
-    // At most one a millisecond, and those of the moment before, which came late.
+    // At most one a millisecond, and the late ones from just before.
     EXPECT_LE(last - first, took.count() + 100.0);
     EXPECT_GE(last - first, 300u);
     EXPECT_LE(device.loop.published(), device.loop.cycle().record().intervals.count() + 1);

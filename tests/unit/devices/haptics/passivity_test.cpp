@@ -17,9 +17,9 @@ Motion at(float x, float v) {
     return {{Quatf::Identity(), {x, 0, 0}}, {v, 0, 0}, Vec3f::Zero()};
 }
 
-// A spring pressed to 2 mm and back by slow steps: the observer has k x^2 / 2 at the bottom, and nothing is
-// left but what holding the force over a cycle gives away, k v^2 T t.
-TEST(Passivity, ObservesASpringsEnergy) {
+// A spring pressed to 2 mm and released in slow steps: the observer has k x^2 / 2 at the bottom, and in the
+// end only what holding the force over a cycle generates, k v^2 T t.
+TEST(Passivity, ObserverMeasuresSpringEnergy) {
     PassivityController controller({.on = false});
     constexpr float k = 800.0f;
     constexpr int cycles = 2000;
@@ -38,14 +38,14 @@ TEST(Passivity, ObservesASpringsEnergy) {
     EXPECT_NEAR(controller.stored(), 0.0, 0.005 * full);
 }
 
-TEST(Passivity, WhatOnlyTakesEnergyIsLeftAlone) {
+TEST(Passivity, PassiveForceIsUnchanged) {
     PassivityController controller;
     for (int i = 0; i < 5000; ++i) {
         const float t = passivity_dt * static_cast<float>(i);
         const float x = 5e-3f * std::sin(20.0f * t), v = 0.1f * std::cos(20.0f * t);
         const Wrench wanted{{-5.0f * v, 0, 0}, {0, 0, 0.01f}};
         const Wrench given = controller.apply(wanted, at(x, v), passivity_dt);
-        // The first cycle over a turning point may give back a little of what was held.
+        // The first cycle over a turning point may return a little of the stored energy.
         if (controller.stored() > 0.0) {
             ASSERT_EQ((given.force - wanted.force).norm(), 0.0f);
         }
@@ -53,8 +53,8 @@ TEST(Passivity, WhatOnlyTakesEnergyIsLeftAlone) {
     EXPECT_LT(controller.dissipated(), 1e-5);
 }
 
-/// A mass of 0.15 kg with 1 N s/m on a wall whose force comes a number of cycles late: the closed form says
-/// that it is stable up to b / (T / 2 + delay) (Gil et al. 2009), 41 N/m here for 24 ms.
+/// A mass of 0.15 kg with 1 N s/m on a wall whose force is delayed by a number of cycles. The closed form
+/// gives stability up to b / (T / 2 + delay) (Gil et al. 2009), 41 N/m here for 24 ms.
 struct DelayedWall {
     PassivityController controller;
     float stiffness = 400.0f;
@@ -77,7 +77,7 @@ struct DelayedWall {
     }
 };
 
-TEST(Passivity, TheControllerHoldsADelayedWallThatRunsAwayWithoutIt) {
+TEST(Passivity, ControllerStabilizesADelayedWall) {
     DelayedWall alone{PassivityController({.on = false})};
     EXPECT_GT(alone.run(), 0.05f);
     EXPECT_LT(alone.controller.lowest(), -1e-3);
@@ -87,12 +87,12 @@ TEST(Passivity, TheControllerHoldsADelayedWallThatRunsAwayWithoutIt) {
     EXPECT_GT(held.controller.active_cycles(), 100u);
 }
 
-TEST(Passivity, DampingIsBoundedAndAContactsEndClosesItsAccount) {
+TEST(Passivity, DampingIsBoundedAndEnergyResetsAfterContact) {
     PassivityController controller;
     for (int i = 0; i < 100; ++i) {
         const Wrench wanted{{5.0f, 0, 0}, Vec3f::Zero()};
         const Wrench given = controller.apply(wanted, at(1e-4f * static_cast<float>(i), 0.1f), passivity_dt);
-        ASSERT_LE((given.force - wanted.force).norm(), PassivitySettings{}.most_damping * 0.1f * 1.001f);
+        ASSERT_LE((given.force - wanted.force).norm(), PassivitySettings{}.max_damping * 0.1f * 1.001f);
     }
     EXPECT_LT(controller.stored(), -0.01);
     for (int i = 0; i < 60; ++i) {

@@ -27,7 +27,7 @@ ProxyReport on_floor(float depth) {
     return report;
 }
 
-TEST(PredictedProxy, AFreeProxyGoesWithTheDevice) {
+TEST(PredictedProxy, FreeProxyFollowsTheDevice) {
     ProxyReport report;
     const Quatf tilt = quaternion_from({0.3f, 0.1f, 0.0f});
     report.device = {tilt, {0.1f, 0.2f, 0.3f}};
@@ -43,9 +43,9 @@ TEST(PredictedProxy, AFreeProxyGoesWithTheDevice) {
     EXPECT_EQ(proxy->angular_velocity, device.angular_velocity);
 }
 
-// Trailing by less than a step's motion is the simulation's business; standing off by more is held by
-// something, as a pressed proxy that lifted off its contact for a step.
-TEST(PredictedProxy, LeavesOutWhatAFreeProxyTrailsBy) {
+// Trailing by less than a step's motion is an artefact of the simulation; a larger offset is due to contact,
+// as for a pressed proxy that lifted off its contact for a step.
+TEST(PredictedProxy, IgnoresTheLagOfAFreeProxy) {
     ProxyReport report;
     report.proxy.pose.translation = {-1e-3f, 0, 0};
     const auto offset = [&](float speed, float pace) {
@@ -54,12 +54,12 @@ TEST(PredictedProxy, LeavesOutWhatAFreeProxyTrailsBy) {
     };
     EXPECT_NEAR(offset(0.0f, 1.0f), -1e-3f, 1e-9f);
     EXPECT_NEAR(offset(0.09f, 1.0f), -0.5e-3f, 1e-8f);  // 0.09 m/s / 180 Hz = 0.5 mm
-    EXPECT_NEAR(offset(0.09f, 0.5f), 0.0f, 1e-8f);      // at half the pace 1 mm
+    EXPECT_NEAR(offset(0.09f, 0.5f), 0.0f, 1e-8f);      // at half the rate 1 mm
     EXPECT_EQ(offset(0.3f, 1.0f), 0.0f);
-    EXPECT_NEAR(offset(0.009f, 0.0f), -0.5e-3f, 1e-8f);  // a tenth of the pace at the least
+    EXPECT_NEAR(offset(0.009f, 0.0f), -0.5e-3f, 1e-8f);  // a tenth of the rate at the least
 }
 
-// A report about the time before a stop: the proxy trails by a step's motion at the speed of then.
+// A report about the time before a stop: the proxy trails by a step's motion at the earlier speed.
 TEST(PredictedProxy, DoesNotPullOnAHandThatHasStoppedInFreeAir) {
     ProxyReport report;
     report.proxy.pose.translation = {-0.2f / 180.0f, 0, 0};
@@ -74,15 +74,15 @@ TEST(PredictedProxy, DoesNotPullOnAHandThatHasStoppedInFreeAir) {
     const auto after = [&](bool touching) {
         return *predicted_proxy(device, report, 0, 1.0f, bounds, speeds.update(device, touching, 1e-3f));
     };
-    // A hundredth of a step's motion is forgotten in a cycle.
+    // A hundredth of a step's motion decays in a cycle.
     EXPECT_LT(after(false).pose.translation.norm(), 0.011f * 0.2f / 180.0f);
     EXPECT_LT(rotation_vector(after(false).pose.rotation).norm(), 0.021f * 2.0f / 180.0f);
-    // Where something is touched, what holds the proxy off is felt.
+    // In contact, the force that holds the proxy off is felt.
     EXPECT_EQ(after(true).pose.translation, report.proxy.pose.translation);
     EXPECT_EQ(after(false).pose.translation, report.proxy.pose.translation) << "touched a moment ago";
 }
 
-TEST(RecentSpeeds, ForgetAndSurviveWhatIsNoSpeed) {
+TEST(RecentSpeeds, DecayAndIgnoreNonFiniteSpeed) {
     RecentSpeeds speeds(bounds);
     for (int i = 0; i < 300; ++i) {
         (void)speeds.update(device_at(Vec3f::Zero()), false, 1e-3f);
@@ -98,7 +98,7 @@ TEST(RecentSpeeds, ForgetAndSurviveWhatIsNoSpeed) {
     EXPECT_EQ(speeds.update(device_at(Vec3f::Zero(), {0.1f, 0, 0}), false, 1e-3f).moving, 0.1f);
 }
 
-TEST(PredictedProxy, StaysOnTheFloorWhileTheDeviceIsBeneathAndLeavesItWithIt) {
+TEST(PredictedProxy, StaysOnFloorUntilTheDeviceLeavesIt) {
     const ProxyReport report = on_floor(3e-3f);
     struct Case {
         float device_y, proxy_y;
@@ -132,14 +132,14 @@ TEST(PredictedProxy, StaysInACorner) {
     report.contacts = 3;
     const auto proxy = predicted_proxy(device_at({-3e-3f, -2.5e-3f, 0}), report, 0.0f, 1.0f, bounds);
     ASSERT_TRUE(proxy);
-    // Alternating projections onto planes at 45 deg halve the error squared each sweep: 4 sweeps leave
-    // less than a tenth of the 3.9 mm; the exact answer is the corner itself.
+    // Alternating projections onto planes at 45 deg halve the error squared each sweep: 4 sweeps leave less
+    // than a tenth of the 3.9 mm; the exact answer is the corner itself.
     EXPECT_LT(proxy->pose.translation.norm(), 0.4e-3f);
 }
 
-// Pushed in and pulled out of the floor between two reports, the spring gives back what it took: the
-// force depends on the depth alone.
-TEST(PredictedProxy, GivesBackNoMoreThanWasPutIn) {
+// Pushed into the floor and pulled out between two reports, the spring returns the energy it took: the force
+// depends on the depth alone.
+TEST(PredictedProxy, ReturnsNoMoreEnergyThanItTook) {
     const ProxyReport report = on_floor(1e-3f);
     const CouplingSettings coupling;
     double work = 0.0;
@@ -157,11 +157,11 @@ TEST(PredictedProxy, GivesBackNoMoreThanWasPutIn) {
         work += 0.5 * static_cast<double>((force(y) + force(last)) * (y - last));
         last = y;
     }
-    // Exactly closed but for rounding of 200 products of about 4e-6 J at float precision.
+    // Exactly closed except for rounding of 200 products of about 4e-6 J at float precision.
     EXPECT_LT(std::abs(work), 1e-8);
 }
 
-TEST(PredictedProxy, TurnsOnInContactForABoundedTime) {
+TEST(PredictedProxy, RotationIsExtrapolatedForABoundedTime) {
     ProxyReport report = on_floor(1e-3f);
     report.proxy.angular_velocity = {0, 0, 3.0f};
     const auto angle = [&](float age) {
@@ -178,7 +178,7 @@ std::optional<Motion> held(const Motion& device, const ProxyReport& report) {
     return predicted_proxy(device, report, 0.1f, 1.0f, bounds, {}, true);
 }
 
-TEST(PredictedProxy, HeldPlanesStandStillAndOnlyResist) {
+TEST(PredictedProxy, HeldPlanesAreStaticAndOnlyResist) {
     ProxyReport report = on_floor(3e-3f);
     report.proxy.velocity = {0, 0.5f, 0};
     for (const auto& [device_y, proxy_y] :
@@ -190,9 +190,9 @@ TEST(PredictedProxy, HeldPlanesStandStillAndOnlyResist) {
     }
 }
 
-// Friction of 0.4 mm against 800 N/m: a hand that gives way by as much is pushed no farther, and one that
-// goes on is held back by no more than before.
-TEST(PredictedProxy, WhatHeldItOffBesidesThePlanesIsUsedUpWhenHeld) {
+// Friction of 0.4 mm against 800 N/m: a hand that retreats by as much is pushed no farther, and one that
+// moves on is held back by no more than before.
+TEST(PredictedProxy, HeldResidualOffsetIsConsumed) {
     ProxyReport report = on_floor(3e-3f);
     report.proxy.pose.translation.x() = -0.4e-3f;
     const auto offset = [&](float x) {
@@ -214,12 +214,12 @@ TEST(PredictedProxy, WhatHeldItOffBesidesThePlanesIsUsedUpWhenHeld) {
 }
 
 // Levered on a floor 60 mm ahead of the grip, turned 0.02 rad into it about x.
-TEST(PredictedProxy, HeldTurningResistsIntoThePlanesAndIsFreeOutOfThem) {
+TEST(PredictedProxy, HeldRotationResistsOnlyIntoThePlanes) {
     ProxyReport report = on_floor(0.0f);
     report.contact_centre = {0, 0, 0.06f};
     report.device.rotation = quaternion_from({0.02f, 0, 0});
     report.proxy.angular_velocity = {-1.0f, 0, 0};
-    const float ahead = -bounds.turning_time;  // that the report's turning went on for
+    const float ahead = -bounds.turning_time;  // time over which the report's rotation is extrapolated
     const auto turn = [&](const Vec3f& device) {
         Motion at = device_at(Vec3f::Zero());
         at.pose.rotation = quaternion_from(device);
@@ -234,7 +234,7 @@ TEST(PredictedProxy, HeldTurningResistsIntoThePlanesAndIsFreeOutOfThem) {
         << "it goes with the device where it may, and is not the report's any more";
 }
 
-TEST(PredictedProxy, KnowsNothingOutOfBounds) {
+TEST(PredictedProxy, IsEmptyOutOfBounds) {
     ProxyReport report;
     EXPECT_TRUE(predicted_proxy(device_at({0.029f, 0, 0}), report, 0, 1.0f, bounds));
     EXPECT_FALSE(predicted_proxy(device_at({0.031f, 0, 0}), report, 0, 1.0f, bounds));

@@ -14,7 +14,7 @@ namespace {
 constexpr float safety_dt = 1e-3f;
 const SafetySettings settings;
 
-TEST(Freshness, IsWholeWhileHeldThenFallsToNothingBy300ms) {
+TEST(Freshness, IsOneWhileHeldThenZeroBy300ms) {
     Freshness freshness(settings);
     EXPECT_EQ(freshness.share(), 0.0f);
     EXPECT_NEAR(settings.stale_after(), 0.1f, 1e-6f);
@@ -27,7 +27,7 @@ TEST(Freshness, IsWholeWhileHeldThenFallsToNothingBy300ms) {
     EXPECT_EQ(freshness.update(0.005f), 1.0f) << "what comes back slowly is the force, not the share";
 }
 
-TEST(Freshness, TheSilenceLimitMovesBothEnds) {
+TEST(Freshness, SilenceLimitScalesHoldAndFade) {
     SafetySettings longer;
     longer.silence_limit = 0.6f;
     Freshness freshness(longer);
@@ -36,7 +36,7 @@ TEST(Freshness, TheSilenceLimitMovesBothEnds) {
     EXPECT_EQ(freshness.update(0.601f), 0.0f);
 }
 
-TEST(Freshness, NonsenseIsStale) {
+TEST(Freshness, InvalidAgeIsStale) {
     for (const float age :
          {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         Freshness freshness(settings);
@@ -48,16 +48,16 @@ Wrench pushing(const Vec3f& force) {
     return {force, Vec3f::Zero()};
 }
 
-TEST(Regrowth, WhatAGapAddsIsBackWithin300msAndNeverFasterThanItsRamp) {
+TEST(ForceRecoveryRamp, RestoresForceWithin300msAtLimitedRate) {
     const CouplingSettings coupling;
-    Regrowth regrowth(settings);
+    ForceRecoveryRamp regrowth(settings);
     const Wrench wanted{{0, coupling.force_limit, 0}, {coupling.torque_limit, 0, 0}};
     constexpr float felt = 0.06f;  // [N]
     Wrench last;
     int cycles = 0;
     for (; wanted.force.norm() - last.force.norm() > felt && cycles < 1000; ++cycles) {
-        EXPECT_EQ(regrowth.growing(), cycles > 0) << cycles;
-        // Messages go on to tell of the gap for a while, which holds nothing up.
+        EXPECT_EQ(regrowth.active(), cycles > 0) << cycles;
+        // Messages keep reporting the gap for a while, without further effect.
         const Wrench now = regrowth.update(wanted, last, cycles < 80 && cycles % 5 == 0, safety_dt, coupling);
         EXPECT_LE((now.force - last.force).norm(),
                   1.01f * coupling.force_limit * safety_dt / settings.return_time);
@@ -72,17 +72,18 @@ TEST(Regrowth, WhatAGapAddsIsBackWithin300msAndNeverFasterThanItsRamp) {
     }
     EXPECT_EQ(last.force, wanted.force);
     EXPECT_EQ(last.torque, wanted.torque);
-    EXPECT_FALSE(regrowth.growing());
+    EXPECT_FALSE(regrowth.active());
 }
 
-TEST(Regrowth, WhatAGapTakesAwayGoesAtOnceAndTheRestStays) {
+TEST(ForceRecoveryRamp, ReductionIsImmediate) {
     const CouplingSettings coupling;
-    Regrowth regrowth(settings);
+    ForceRecoveryRamp regrowth(settings);
     const Wrench had = pushing({4, 0, 0});
     EXPECT_EQ(regrowth.update(pushing({1, 0, 0}), had, true, safety_dt, coupling).force, Vec3f(1, 0, 0));
-    EXPECT_FALSE(regrowth.growing());
+    EXPECT_FALSE(regrowth.active());
     EXPECT_EQ(regrowth.update(pushing({0, 0, 0}), had, true, safety_dt, coupling).force, Vec3f(0, 0, 0));
-    // A push from elsewhere is new, also where it is against the old one: of it a cycle's share of the ramp.
+    // A change of the wanted force is new, also when opposed to the old one: it gets a cycle's share of the
+    // ramp.
     const float share = coupling.force_limit * safety_dt / settings.return_time;
     EXPECT_LT((regrowth.update(pushing({1, 3, 0}), had, true, safety_dt, coupling).force - Vec3f(1, share, 0))
                   .norm(),
@@ -91,11 +92,11 @@ TEST(Regrowth, WhatAGapTakesAwayGoesAtOnceAndTheRestStays) {
                 1e-5f);
 }
 
-// While 3 N of 4 are still lacking the hand feels all of the stiffness: a newton more or less of what is
-// wanted is a newton more or less, down to nothing, where it ends.
-TEST(Regrowth, LeavesTheStiffnessWholeAndNeverPulls) {
+// While 3 N of 4 are still missing, the hand feels the full stiffness: a change of a newton in the wanted
+// force is a change of a newton in the output, down to zero, where the recovery ends.
+TEST(ForceRecoveryRamp, KeepsFullStiffnessAndNeverPulls) {
     const CouplingSettings coupling;
-    Regrowth regrowth(settings);
+    ForceRecoveryRamp regrowth(settings);
     (void)regrowth.update(pushing({0, 4, 0}), pushing({0, 1, 0}), true, 0.0f, coupling);
     for (const auto& [wanted, felt] : {std::pair{4.0f, 1.0f}, {5.0f, 2.0f}, {3.5f, 0.5f}, {2.0f, 0.0f}}) {
         EXPECT_NEAR(regrowth.update(pushing({0, wanted, 0}), {}, false, 0.0f, coupling).force.y(), felt,
@@ -104,16 +105,16 @@ TEST(Regrowth, LeavesTheStiffnessWholeAndNeverPulls) {
     EXPECT_EQ(regrowth.update(pushing({0, -1, 0}), {}, false, 0.0f, coupling).force.y(), -1.0f);
 }
 
-TEST(Regrowth, WithoutAGapNothingIsLacking) {
+TEST(ForceRecoveryRamp, IsInactiveWithoutAGap) {
     const CouplingSettings coupling;
-    Regrowth regrowth(settings);
+    ForceRecoveryRamp regrowth(settings);
     EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, safety_dt, coupling).force, Vec3f(0, 5, 0));
     (void)regrowth.update(pushing({0, 5, 0}), {}, true, safety_dt, coupling);
-    regrowth.forget();
+    regrowth.reset();
     EXPECT_EQ(regrowth.update(pushing({0, 5, 0}), {}, false, safety_dt, coupling).force, Vec3f(0, 5, 0));
 }
 
-TEST(Engagement, NeedsQuietCyclesInARowThenRampsOverItsTime) {
+TEST(Engagement, RequiresConsecutiveQuietCyclesThenRamps) {
     Engagement engagement(settings);
     for (int i = 0; i < settings.quiet_cycles - 1; ++i) {
         EXPECT_EQ(engagement.update(true, 0.1f, safety_dt), 0.0f);
@@ -125,7 +126,7 @@ TEST(Engagement, NeedsQuietCyclesInARowThenRampsOverItsTime) {
     int cycles = 0;
     float last = 0.0f;
     while (engagement.share() < 1.0f && cycles < 2000) {
-        // Loud cycles no longer matter, and no cycle gives more than its part of the ramp.
+        // Loud cycles no longer matter, and no cycle adds more than its share of the ramp.
         const float share = engagement.update(true, 5.0f, safety_dt);
         EXPECT_LE(share - last, safety_dt / settings.ramp_time + 1e-6f);
         last = share;
@@ -134,14 +135,14 @@ TEST(Engagement, NeedsQuietCyclesInARowThenRampsOverItsTime) {
     EXPECT_NEAR(static_cast<float>(cycles) * safety_dt, settings.ramp_time, 2.0f * safety_dt);
 }
 
-TEST(Engagement, ADeviceThatWakesUpInsideSomethingGetsNoForce) {
+TEST(Engagement, DeviceStartingInContactGetsNoForce) {
     Engagement engagement(settings);
     for (int i = 0; i < 5000; ++i) {
         ASSERT_EQ(engagement.update(true, 3.0f, safety_dt), 0.0f);
     }
 }
 
-TEST(Engagement, AfterAnOutageItRampsAgainWithoutAskingForQuiet) {
+TEST(Engagement, RampsAfterOutageWithoutQuietCycles) {
     Engagement engagement(settings);
     for (int i = 0; i < 1000; ++i) {
         (void)engagement.update(true, 0.0f, safety_dt);
@@ -151,7 +152,7 @@ TEST(Engagement, AfterAnOutageItRampsAgainWithoutAskingForQuiet) {
     for (int i = 0; i < settings.quiet_cycles; ++i) {
         EXPECT_EQ(engagement.update(true, 3.0f, safety_dt), 0.0f);
     }
-    // By the faster way back, so that all of it is there within 0.3 s of the outage.
+    // By the faster recovery, so that the full force is back within 0.3 s of the outage.
     EXPECT_NEAR(engagement.update(true, 3.0f, safety_dt), safety_dt / settings.return_time, 1e-6f);
     EXPECT_LT(static_cast<float>(settings.quiet_cycles) * safety_dt + settings.return_time, 0.3f);
     engagement.disengage();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t step_ns = 1'000'000'000 / 180;
 
-/// What a server publishes, one piece at a time.
+/// Publishes a server's messages, one at a time.
 struct Server {
     bus::Node node{options("eti-server")};
     bus::Publisher<msg::ProxyState> proxy{node, bus::topics::proxy};
@@ -26,7 +26,7 @@ struct Server {
         Tube tube;
         tube.grip_from_tip = 0.09f;
         msg::SessionDescription message =
-            test::session_description(unseen_landmarks(), make_laryngoscope(Blade::miller_0), tube);
+            test::session_description(zero_landmarks(), make_laryngoscope(Blade::miller_0), tube);
         message.patient_weight_kg(1.1f);
         ASSERT_TRUE(description.publish(message));
     }
@@ -52,7 +52,7 @@ struct Server {
     }
 };
 
-class LinkTest : public ::testing::Test {
+class SceneLinkTest : public ::testing::Test {
   protected:
     void SetUp() override {
         ASSERT_TRUE(eventually([&] {
@@ -69,18 +69,18 @@ class LinkTest : public ::testing::Test {
 
     Server server_;
     bus::Node node_{options("device")};
-    SceneLink link_{node_, SceneLink::Feel::tissue};
+    SceneLink link_{node_, SceneLink::ForceSource::tissue};
 };
 
-TEST_F(LinkTest, GathersWhatAScriptNeeds) {
-    EXPECT_FALSE(link_.surroundings());
+TEST_F(SceneLinkTest, CollectsTheScriptsSurroundings) {
+    EXPECT_FALSE(link_.initial_scene());
     server_.show_tools();
-    EXPECT_FALSE(link_.surroundings()) << "no landmarks yet";
+    EXPECT_FALSE(link_.initial_scene()) << "no landmarks yet";
     ASSERT_TRUE(eventually([&] {
         server_.live.publish(Server::metrics());
-        return link_.surroundings().has_value();
+        return link_.initial_scene().has_value();
     }));
-    const Surroundings around = *link_.surroundings();
+    const InitialScene around = *link_.initial_scene();
     EXPECT_FLOAT_EQ(around.blade_length, 0.076f);
     EXPECT_FLOAT_EQ(around.grip_to_tip, 0.09f);
     EXPECT_FLOAT_EQ(around.tube_curvature, 1.0f / 0.14f);
@@ -97,7 +97,7 @@ TEST_F(LinkTest, GathersWhatAScriptNeeds) {
     EXPECT_FLOAT_EQ(newest().blade[2].b.z(), make_laryngoscope(Blade::miller_0).capsules[2].b.z());
 }
 
-TEST_F(LinkTest, BringsProxyAndTissueIn) {
+TEST_F(SceneLinkTest, ReceivesProxyAndTissue) {
     msg::ProxyState state = Server::state(5);
     state.contacts().emplace_back();
     state.contacts().back().normal(bus::to_msg(Vec3f(0, 0, 1)));
@@ -124,7 +124,7 @@ TEST_F(LinkTest, BringsProxyAndTissueIn) {
     EXPECT_GT(got.proxy_arrived, before);
     EXPECT_LE(got.proxy_arrived, monotonic_ns());
 
-    // One that cannot be believed takes the force of the last one back, at once and not when it is old.
+    // An implausible one cancels the previous force, at once and not when that is stale.
     msg::ProxyState bad = state;
     bad.velocity().x(std::numeric_limits<float>::quiet_NaN());
     EXPECT_TRUE(eventually([&] {
@@ -144,7 +144,7 @@ TEST_F(LinkTest, BringsProxyAndTissueIn) {
     }));
 }
 
-TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
+TEST_F(SceneLinkTest, NonFiniteOrIncompatibleMessageIsRefused) {
     const float bad = std::numeric_limits<float>::quiet_NaN();
     msg::ProxyState pose = Server::state(1);
     pose.proxy().position().x(bad);
@@ -191,9 +191,9 @@ TEST_F(LinkTest, RefusesWhatIsNotFiniteOrOfAnotherVersion) {
     EXPECT_EQ(link_.received(), 0u);
 }
 
-TEST_F(LinkTest, MeasuresTheSimulationsPaceAndSeesANewSession) {
-    // Half a second at 2 ms a step is 2.8 times faster than the clock; sleeping is not exact, so the
-    // pace is compared with what was really sent.
+TEST_F(SceneLinkTest, MeasuresPaceAndDetectsNewSession) {
+    // Half a second at 2 ms a step is 2.8 times faster than real time; sleeping is inexact, so the rate is
+    // compared with what was really sent.
     const std::int64_t start = monotonic_ns();
     std::uint64_t step = 1000;
     while (monotonic_ns() - start < 800'000'000) {
@@ -212,7 +212,7 @@ TEST_F(LinkTest, MeasuresTheSimulationsPaceAndSeesANewSession) {
     EXPECT_EQ(newest().session, session + 1);
 }
 
-TEST_F(LinkTest, HearsTheSessionsEnd) {
+TEST_F(SceneLinkTest, DetectsTheEndOfTheSession) {
     msg::SessionStatus status;
     status.session("test");
     status.phase(msg::PHASE_RUNNING);
@@ -224,12 +224,12 @@ TEST_F(LinkTest, HearsTheSessionsEnd) {
     EXPECT_TRUE(eventually([&] { return link_.finished(); }));
 }
 
-// The tube's force comes by a topic of its own, to a link that asks for it.
-TEST(TubeLink, TakesTheTubesForceAndRefusesNonsense) {
+// The tube's force has a topic of its own, for a link that subscribes to it.
+TEST(TubeLink, AcceptsTubeForceAndRefusesInvalid) {
     Server server;
     bus::Publisher<msg::TubeForce> topic(server.node, bus::topics::tube_force);
     bus::Node node(options("device"));
-    SceneLink link(node, SceneLink::Feel::tube);
+    SceneLink link(node, SceneLink::ForceSource::tube);
     const SceneState* state = nullptr;
     msg::TubeForce force;
     force.force(bus::to_msg(Vec3f(std::numeric_limits<float>::quiet_NaN(), 0, 0)));

@@ -20,7 +20,7 @@ std::array<float, tissue_count> stiffness(float tongue, float epiglottis) {
 TEST(Touches, SphereAgainstCapsule) {
     const RigidTransform pose{Quatf(Eigen::AngleAxisf(std::numbers::pi_v<float> / 2, Vec3f::UnitX())),
                               {0.5f, 0, 0}};
-    // The turn takes the tool's z to -y: the capsule runs from (0.5, 0, 0) to (0.5, -0.1, 0).
+    // The rotation maps the tool's z to -y: the capsule runs from (0.5, 0, 0) to (0.5, -0.1, 0).
     const auto at = [](float x, float y, float z) {
         return TissuePoint{{x, y, z}, {}, 1e-3f, Tissue::tongue};
     };
@@ -33,9 +33,9 @@ TEST(Touches, SphereAgainstCapsule) {
 }
 
 // By hand: two tongue particles displaced by 2 and 4 mm (mean 3 mm, at 100 N/m: 0.3 N up), one of the
-// epiglottis by 5 mm (at 20 N/m: 0.1 N left); averaged over the two types: (0.05, 0.15, 0) N.
-// Torque: tongue's mean place z = 60 mm: r x F = (-0.018, 0, 0); epiglottis's z = 90 mm: (0, 0.009, 0);
-// averaged (-0.009, 0.0045, 0) N m.
+// epiglottis by 5 mm (at 20 N/m: 0.1 N left); averaged over the two types: (0.05, 0.15, 0) N. Torque:
+// tongue's mean position z = 60 mm: r x F = (-0.018, 0, 0); epiglottis's z = 90 mm: (0, 0.009, 0); averaged
+// (-0.009, 0.0045, 0) N m.
 TEST(DisplacementWrench, HandComputedCase) {
     const std::array<TissuePoint, 5> points = {{
         {{0, 0, 0.05f}, {0, 2e-3f, 0.05f}, 1e-3f, Tissue::tongue},
@@ -50,7 +50,7 @@ TEST(DisplacementWrench, HandComputedCase) {
     EXPECT_LT((wrench.torque - Vec3f(-0.009f, 0.0045f, 0.0f)).norm(), 1e-7f);
 }
 
-TEST(DisplacementWrench, TestsContactAnewWhereTheBladeIs) {
+TEST(DisplacementWrench, ReevaluatesContactAtTheBladePose) {
     const std::array<TissuePoint, 1> points = {{{{0, 0, 0.05f}, {0, 3e-3f, 0.05f}, 1e-3f, Tissue::tongue}}};
     const auto k = stiffness(100.0f, 0.0f);
     EXPECT_NEAR(displacement_wrench(points, blade, {}, k).force.y(), 0.3f, 1e-6f);
@@ -59,7 +59,7 @@ TEST(DisplacementWrench, TestsContactAnewWhereTheBladeIs) {
     EXPECT_EQ(displacement_wrench({}, blade, {}, k).force.norm(), 0.0f);
 }
 
-/// Two particles on top of the blade, each 2 mm pressed in, that push it down with 0.5 N each.
+/// Two particles on top of the blade, each pressed in by 2 mm, that push it down with 0.5 N each.
 TissueReport pressed_tissue() {
     TissueReport report;
     report.points[0] = {{0, 5e-3f, 0.05f}, {0, 3e-3f, 0.05f}, 1e-3f, Tissue::tongue, {0, -0.5f, 0}};
@@ -69,15 +69,15 @@ TissueReport pressed_tissue() {
     return report;
 }
 
-TEST(ConstraintWrench, WhereItWasReportedItIsWhatWasReported) {
+TEST(ConstraintWrench, EqualsTheReportAtTheReportedPose) {
     const Wrench wrench = constraint_wrench(pressed_tissue(), {});
     EXPECT_LT((wrench.force - Vec3f(0, -1.0f, 0)).norm(), 1e-7f);
     EXPECT_LT((wrench.torque - Vec3f(0.06f, 0, 0)).norm(), 1e-8f);
 }
 
-// 0.5 N over 2 mm is 250 N/m a particle: 1 mm farther up adds 0.5 N in all, 2 mm back leaves nothing, and
-// nothing pulls beyond; the force no more than doubles.
-TEST(ConstraintWrench, FollowsTheBladeByTheTissuesOwnStiffness) {
+// 0.5 N over 2 mm is 250 N/m per particle: 1 mm farther up adds 0.5 N in all, 2 mm back leaves zero, and
+// farther out nothing pulls; the force no more than doubles.
+TEST(ConstraintWrench, FollowsBladeWithTheTissueStiffness) {
     const auto at = [](float y) {
         return constraint_wrench(pressed_tissue(), {Quatf::Identity(), {0, y, 0}}).force.y();
     };
@@ -86,13 +86,13 @@ TEST(ConstraintWrench, FollowsTheBladeByTheTissuesOwnStiffness) {
     EXPECT_NEAR(at(-2e-3f), 0.0f, 1e-6f);
     EXPECT_NEAR(at(-9e-3f), 0.0f, 1e-6f);
     EXPECT_NEAR(at(9e-3f), -2.0f, 1e-6f);
-    // Turning the tip up about the handle presses the farther particle more.
+    // Rotating the tip up about the handle presses the farther particle more.
     const Wrench turned =
         constraint_wrench(pressed_tissue(), {quaternion_from({-0.01f, 0, 0}), Vec3f::Zero()});
     EXPECT_NEAR(turned.force.y(), -1.0f - 250.0f * 0.01f * (0.05f + 0.07f), 1e-3f);
 }
 
-TEST(ConstraintWrench, PointsThatStandForMoreCountForMore) {
+TEST(ConstraintWrench, ScalesWithRepresentedPoints) {
     TissueReport report = pressed_tissue();
     report.represents = 2.0f;
     report.wrench.force.y() = -2.0f;
@@ -100,7 +100,7 @@ TEST(ConstraintWrench, PointsThatStandForMoreCountForMore) {
 }
 
 // E A / L with the figures named beside the table: 8 kPa * 3 cm^2 / 15 mm = 160 N/m.
-TEST(TissueStiffness, SoftTypesHaveOneAndRigidOnesNone) {
+TEST(TissueStiffness, IsZeroForRigidTypesOnly) {
     const auto& table = tissue_stiffness();
     EXPECT_NEAR(table[static_cast<std::size_t>(Tissue::tongue)], 160.0f, 0.1f);
     EXPECT_NEAR(table[static_cast<std::size_t>(Tissue::larynx)], 172.0f, 0.1f);

@@ -28,17 +28,17 @@ std::pair<float, float> extent(const TriangleMesh& mesh, int axis) {
 
 class Laryngoscopes : public ::testing::TestWithParam<Blade> {};
 
-TEST_P(Laryngoscopes, AreClosedAndAsLongAsTheModel) {
+TEST_P(Laryngoscopes, AreClosedAndMatchTheModelsLength) {
     const Laryngoscope scope = make_laryngoscope(GetParam());
     const PartSettings settings;
     const TriangleMesh mesh = laryngoscope_part(scope, settings);
     const MeshReport report = check(mesh);
-    EXPECT_TRUE(report.sound()) << report.describe();
+    EXPECT_TRUE(report.is_valid()) << report.describe();
     EXPECT_EQ(report.components, 1u);
     EXPECT_EQ(report.euler_characteristic, 2) << "a blind bore makes no handle";
-    // Where the surface is taken from a grid, and simplified by a tenth of its spacing: within the spacing.
+    // The surface is extracted from a grid and simplified by a tenth of its spacing: accurate to the spacing.
     EXPECT_NEAR(extent(mesh, 2).second, scope.blade_length, settings.spacing);
-    // The bore takes the round end's pole away and leaves its rim.
+    // The bore removes the round end's pole and leaves its rim.
     const float bore = 0.5f * settings.stylus_diameter + settings.clearance,
                 radius = scope.capsules[0].radius;
     EXPECT_NEAR(extent(mesh, 1).second, scope.capsules[0].b.y() + std::sqrt(radius * radius - bore * bore),
@@ -48,7 +48,7 @@ TEST_P(Laryngoscopes, AreClosedAndAsLongAsTheModel) {
 
 INSTANTIATE_TEST_SUITE_P(Blades, Laryngoscopes, ::testing::Values(Blade::miller_0, Blade::miller_1));
 
-TEST(LaryngoscopePart, TheBoreHasTheStylussVolume) {
+TEST(LaryngoscopePart, BoreHasTheVolumeOfTheStylus) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     PartSettings shallow, deep;
     shallow.stylus_depth = 20e-3f;
@@ -63,21 +63,21 @@ TEST(LaryngoscopePart, TheBoreHasTheStylussVolume) {
     EXPECT_NEAR(more - less, expected, 0.03 * expected);
 }
 
-TEST(LaryngoscopePart, AStylusThatIsTooThickIsRefused) {
+TEST(LaryngoscopePart, TooThickStylusIsRefused) {
     PartSettings settings;
     settings.stylus_diameter = 16e-3f;
     EXPECT_THROW((void)laryngoscope_part(make_laryngoscope(Blade::miller_1), settings),
                  std::invalid_argument);
 }
 
-TEST(TubeConnector, IsClosedAndTheTubeGoesThrough) {
+TEST(TubeConnector, IsClosedWithAThroughBore) {
     for (const float inner : {2.5e-3f, 3.0e-3f, 3.5e-3f}) {
         Tube tube;
         tube.inner_diameter = inner;
         tube.outer_diameter = outer_diameter_of(inner);
         const TriangleMesh mesh = tube_connector_part(tube, {});
         const MeshReport report = check(mesh);
-        EXPECT_TRUE(report.sound()) << report.describe();
+        EXPECT_TRUE(report.is_valid()) << report.describe();
         EXPECT_EQ(report.components, 1u);
         EXPECT_EQ(report.euler_characteristic, 0) << "one hole goes through, the sensor's does not";
         for (const Vec3f& v : mesh.vertices) {
@@ -90,7 +90,7 @@ TEST(Board, HasADimpleAtEveryPoint) {
     const std::vector<Eigen::Vector3d> points = {{0.02, 0, 0}, {-0.02, 0, 0}, {0, 0, 0.03}, {0, -0.01, 0.01}};
     const TriangleMesh mesh = board_part(points, {});
     const MeshReport report = check(mesh);
-    EXPECT_TRUE(report.sound()) << report.describe();
+    EXPECT_TRUE(report.is_valid()) << report.describe();
     EXPECT_EQ(report.components, 1u);
     for (const Eigen::Vector3d& point : points) {
         float nearest = 1.0f;
@@ -102,7 +102,8 @@ TEST(Board, HasADimpleAtEveryPoint) {
     }
 }
 
-// What lies under deploy/parts is what comes out now, and is closed: its vertices, which STL repeats, joined.
+// The files in deploy/data/parts equal the current output and are closed after merging STL's repeated
+// vertices.
 TEST(ShippedParts, AreClosed) {
     int found = 0;
     for (const auto& entry : std::filesystem::directory_iterator(PARTS)) {
@@ -134,7 +135,7 @@ TEST(ShippedParts, AreClosed) {
             mesh.triangles.push_back(triangle);
         }
         const MeshReport report = check(mesh);
-        EXPECT_TRUE(report.sound()) << entry.path() << report.describe();
+        EXPECT_TRUE(report.is_valid()) << entry.path() << report.describe();
         EXPECT_GT(report.volume, 0.1e-6);
     }
     EXPECT_EQ(found, 4);

@@ -6,8 +6,8 @@
 
 namespace eti::test {
 
-/// Asks the window whose title begins so to close, as the button in its corner does. False: there is none.
-/// In a file of its own: Xlib's macros do not go with other libraries.
+/// Asks the window whose title begins with this to close, as its close button does. Returns false when there
+/// is none. In a file of its own, because Xlib's macros clash with other libraries.
 [[nodiscard]] bool close_window(const std::string& title);
 
 }  // namespace eti::test

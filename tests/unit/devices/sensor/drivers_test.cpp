@@ -11,18 +11,18 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string driver_refusal(std::string_view name, Use use) {
+std::string driver_refusal(std::string_view name, DeviceRole role) {
     try {
-        (void)driver_named(name, use);
+        (void)find_driver(name, role);
     } catch (const DeviceError& error) {
         return error.what();
     }
     return "accepted";
 }
 
-TEST(Drivers, EveryRowOpensOrSaysWhatItLacks) {
+TEST(Drivers, EveryDriverOpensOrExplainsItsFailure) {
     for (const Driver& driver : drivers()) {
-        EXPECT_EQ(&driver_named(driver.name, driver.use), &driver);
+        EXPECT_EQ(&find_driver(driver.name, driver.role), &driver);
         SensorSetup setup;
         setup.library = driver.name == "simulated" || driver.name == "scripted" ? "" : "/nowhere/lib.so";
         setup.source = driver.name == "gamepad" ? "/nowhere/js0" : "";
@@ -34,22 +34,37 @@ TEST(Drivers, EveryRowOpensOrSaysWhatItLacks) {
     }
 }
 
-TEST(Drivers, SimulatedHandsNeedNothing) {
+TEST(Drivers, SimulatedHandsMoveWithoutAnySetup) {
     for (const char* name : {"simulated", "scripted"}) {
-        EXPECT_NE(driver_named(name, Use::tool).open({}), nullptr);
+        const auto hand = find_driver(name, DeviceRole::tool).open({});
+        ASSERT_NE(hand, nullptr) << name;
+        Observation seen;
+        seen.landmarks.fill(Vec3f::Zero());
+        seen.landmarks[static_cast<std::size_t>(Landmark::upper_gum)] = Vec3f(0.0f, 0.014f, 0.022f);
+        seen.landmarks[static_cast<std::size_t>(Landmark::glottis)] = Vec3f(0.0f, 0.040f, -0.031f);
+        hand->observe(seen);
+        const Reading first = hand->exchange({}, 1e-3f);
+        Reading last = first;
+        for (int cycle = 0; cycle < 2000; ++cycle) {
+            last = hand->exchange({}, 1e-3f);
+            ASSERT_TRUE(is_motion(last.motion)) << name << ", cycle " << cycle;
+        }
+        EXPECT_TRUE(last.present) << name;
+        EXPECT_GT(last.sample, first.sample) << name;
     }
 }
 
-TEST(Drivers, AnUnknownNameIsRefusedWithThoseThereAre) {
-    EXPECT_THAT(driver_refusal("touch", Use::tool), AllOf(HasSubstr("touch"), HasSubstr("openhaptics")));
-    EXPECT_THAT(driver_refusal("", Use::commands), AllOf(HasSubstr("gamepad"), HasSubstr("keyboard")));
+TEST(Drivers, UnknownNameListsTheDrivers) {
+    EXPECT_THAT(driver_refusal("touch", DeviceRole::tool),
+                AllOf(HasSubstr("touch"), HasSubstr("openhaptics")));
+    EXPECT_THAT(driver_refusal("", DeviceRole::commands), AllOf(HasSubstr("gamepad"), HasSubstr("keyboard")));
 }
 
-TEST(Drivers, ADeviceOfAnotherUseIsNotOffered) {
-    EXPECT_THAT(driver_refusal("gamepad", Use::tool),
+TEST(Drivers, DeviceOfAnotherRoleIsNotOffered) {
+    EXPECT_THAT(driver_refusal("gamepad", DeviceRole::tool),
                 AllOf(HasSubstr("there is: simulated"), Not(HasSubstr("keyboard"))));
-    EXPECT_THAT(driver_refusal("simulated", Use::commands), HasSubstr("there is: gamepad, keyboard"));
-    EXPECT_THAT(driver_list(Use::tool), AllOf(HasSubstr("trakstar: "), Not(HasSubstr("keyboard: "))));
+    EXPECT_THAT(driver_refusal("simulated", DeviceRole::commands), HasSubstr("there is: gamepad, keyboard"));
+    EXPECT_THAT(driver_list(DeviceRole::tool), AllOf(HasSubstr("trakstar: "), Not(HasSubstr("keyboard: "))));
 }
 
 }  // namespace

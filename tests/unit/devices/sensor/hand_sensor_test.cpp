@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/device/hand.hpp"
-#include "devices/sensor/sensor_watch.hpp"
+#include "devices/sensor/sensor_monitor.hpp"
 
 namespace eti::devices {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr float hand_dt = 1e-3f;
 constexpr float encoder_step = HandSettings{}.encoder_step;
 
-/// A blade that goes to the mouth opening, which lies 5 cm before the origin, and on to the vallecula.
+/// A blade that moves to the mouth opening, 5 cm in front of the origin, and on to the vallecula.
 SensorSetup scripted() {
     SensorSetup setup;
     setup.script.emplace();
@@ -47,7 +47,7 @@ Reading run(HandSensor& sensor, Observation seen, double from, double to) {
     Reading reading;
     for (double t = from; t < to; t += 1e-3) {
         seen.time = t;
-        sensor.look(seen);
+        sensor.observe(seen);
         reading = sensor.exchange({}, hand_dt);
     }
     return reading;
@@ -57,19 +57,19 @@ TEST(HandSensor, WithoutAScriptItStaysParked) {
     for (const Tool tool : {Tool::laryngoscope, Tool::tube}) {
         HandSensor sensor({.tool = tool, .script = {}, .tool_length = 0.1f, .start = {}});
         for (int i = 0; i < 2000; ++i) {
-            sensor.look({});
+            sensor.observe({});
             const Reading reading = sensor.exchange({}, hand_dt);
             // Rounding to the encoder's step, per axis.
             ASSERT_LT((reading.motion.pose.translation - parked_pose(tool).translation).cwiseAbs().maxCoeff(),
                       0.51f * encoder_step);
         }
-        // A finger's breadth from the face at most is not well clear of it: 10 cm is.
+        // A finger's width from the face is not well clear of it: 10 cm is.
         EXPECT_GT(parked_pose(tool).translation.norm(), 0.1f);
     }
 }
 
 // A steady force against the hand's spring: x = (F - friction .. F + friction) / k.
-TEST(HandSensor, TheHandGivesWayAsItsStiffnessSays) {
+TEST(HandSensor, DeflectsByItsStiffness) {
     HandSensor sensor({.tool = Tool::laryngoscope, .script = {}, .tool_length = 0.1f, .start = {}});
     const HandSettings hand;
     Wrench wrench;
@@ -87,14 +87,14 @@ TEST(HandSensor, FollowsItsScriptInSimulationTime) {
     const SensorSetup setup = scripted();
     HandSensor sensor(setup);
     EXPECT_FALSE(sensor.finished());
-    // Way in: 4 cm at 6 cm/s mean peak speed takes 1.25 s (minimum jerk peaks at 15/8 of its mean); then
-    // 8.2 cm takes 2.6 s. At 2 s it is on the second stage, at 5 s it is done.
+    // Way in: 4 cm at 6 cm/s mean peak speed takes 1.25 s (minimum jerk peaks at 15/8 of its mean); then 8.2
+    // cm takes 2.6 s. At 2 s it is in the second stage, at 5 s it is done.
     run(sensor, setup.start, 0.0, 1.2);
     EXPECT_FALSE(sensor.finished());
     const Reading end = run(sensor, setup.start, 1.2, 5.0);
     EXPECT_TRUE(sensor.finished());
     const Vec3f goal = setup.start.landmarks[static_cast<std::size_t>(Landmark::vallecula)];
-    // Friction holds the hand off its goal by 0.05 N / 900 N/m; the orientation is free of friction.
+    // Friction holds the hand off its goal by 0.05 N / 900 N/m; the orientation is frictionless.
     EXPECT_LT((tip_of(end.motion.pose) - goal).norm(), 0.2e-3f);
 }
 
@@ -106,15 +106,15 @@ TEST(HandSensor, AFrozenSimulationFreezesTheScript) {
     seen.time = 0.6;
     Reading after;
     for (int i = 0; i < 2000; ++i) {
-        sensor.look(seen);
+        sensor.observe(seen);
         after = sensor.exchange({}, hand_dt);
     }
-    // In two seconds the script would have gone on by more than 4 cm; the hand only catches up with
-    // where it was wanted (18 N s/m over 900 N/m at 6 cm/s: about a millimetre).
+    // In two seconds the script would have moved by more than 4 cm; the hand only catches up with its former
+    // goal (18 N s/m over 900 N/m at 6 cm/s: about a millimetre).
     EXPECT_LT((after.motion.pose.translation - before.motion.pose.translation).norm(), 3e-3f);
 }
 
-TEST(HandSensor, ANewSessionStartsTheScriptAnewAtAHandsSpeed) {
+TEST(HandSensor, NewSessionRestartsScriptAtHandSpeed) {
     const SensorSetup setup = scripted();
     HandSensor sensor(setup);
     const Reading start = run(sensor, setup.start, 0.0, 0.002);
@@ -125,26 +125,26 @@ TEST(HandSensor, ANewSessionStartsTheScriptAnewAtAHandsSpeed) {
     Reading reading;
     for (double t = 0.0; t < 0.3; t += 1e-3) {
         seen.time = t;
-        sensor.look(seen);
+        sensor.observe(seen);
         reading = sensor.exchange({}, hand_dt);
         fastest = std::max(fastest, reading.motion.velocity.norm());
     }
     EXPECT_FALSE(sensor.finished());
     EXPECT_LT((reading.motion.pose.translation - start.motion.pose.translation).norm(), 0.02f);
-    // Wanted at 1 m/s; the hand's spring and damper overshoot a step in speed by less than half.
+    // Goal at 1 m/s; the hand's spring and damper overshoot a step in speed by less than half.
     EXPECT_LT(fastest, 1.5f);
 }
 
-// What the scripted hand sees may be nonsense; what it does with the device is not.
-TEST(HandSensor, ASceneThatJumpsOrIsNoneMovesTheDeviceNoFasterThanAHand) {
+// The scripted hand may receive an invalid scene; the device's motion stays valid.
+TEST(HandSensor, InvalidSceneMovesDeviceAtHandSpeed) {
     const SensorSetup setup = scripted();
     HandSensor sensor(setup);
-    SensorWatch watch(sensor);
+    SensorMonitor watch(sensor);
     Observation seen = setup.start;
     Reading reading;
     const auto pass = [&](double seconds) {
         for (const double end = seen.time + seconds; seen.time < end; seen.time += 1e-3) {
-            watch.look(seen);
+            watch.observe(seen);
             reading = watch.exchange({}, hand_dt);
             ASSERT_TRUE(reading.present);
             ASSERT_TRUE(reading.motion.pose.translation.allFinite());
@@ -168,23 +168,23 @@ TEST(HandSensor, ASceneThatJumpsOrIsNoneMovesTheDeviceNoFasterThanAHand) {
     EXPECT_EQ(watch.health().not_finite, 0u);
 }
 
-// Looks ten times a second only: the script goes on in steps, the device in a hand's motions.
+// Updates ten times a second only: the script advances in steps, the device moves smoothly.
 TEST(HandSensor, ASceneAtTenHertzIsFollowedWithoutJumps) {
     const SensorSetup setup = scripted();
     HandSensor sensor(setup);
-    SensorWatch watch(sensor);
+    SensorMonitor watch(sensor);
     Observation seen = setup.start;
     for (int i = 0; i < 3000; ++i) {
         if (i % 100 == 0) {
             seen.time = 1e-3 * i;
-            watch.look(seen);
+            watch.observe(seen);
         }
         ASSERT_TRUE(watch.exchange({}, hand_dt).present);
     }
     EXPECT_EQ(watch.health().jumps, 0u);
 }
 
-TEST(HandSensor, LateCyclesAdvanceTheDeviceAsMuchAsPunctualOnes) {
+TEST(HandSensor, LateCyclesAdvanceAsFarAsPunctualOnes) {
     Wrench push;
     push.force = {0.0f, 0.0f, 1.0f};
     HandSensor punctual({.tool = Tool::laryngoscope, .script = {}, .tool_length = 0.1f, .start = {}});
@@ -196,7 +196,8 @@ TEST(HandSensor, LateCyclesAdvanceTheDeviceAsMuchAsPunctualOnes) {
     for (int i = 0; i < 3; ++i) {
         b = late.exchange(push, 4.0f * hand_dt);
     }
-    // The same steps were taken; 4 ms is not four times 1 ms in float, which leaves a sliver of a step.
+    // The same steps were taken; 4 ms is not exactly four times 1 ms in float, which leaves a fraction of a
+    // step.
     EXPECT_LT((a.motion.pose.translation - b.motion.pose.translation).norm(), 1.1f * encoder_step);
     EXPECT_LT((a.motion.velocity - b.motion.velocity).norm(), 1e-3f);
 }

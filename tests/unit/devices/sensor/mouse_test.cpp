@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// The window under a virtual display, moved by the events of a real X server.
-#include "devices/sensor/mouse.hpp"
+// The window on a virtual display, driven by the events of a real X server.
+#include "devices/sensor/input/mouse.hpp"
 
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ TEST_F(MouseDriver, KeysMoveAndSpaceIsSuction) {
     EXPECT_LT((way() - stopped).norm(), 1e-3f);
 }
 
-TEST_F(MouseDriver, AWindowThatIsClosedIsADeviceThatIsLost) {
+TEST_F(MouseDriver, ClosedWindowIsALostDevice) {
     EXPECT_TRUE(loop_->reading.present);
     EXPECT_EQ(device_->fault(), "");
     ASSERT_TRUE(test::close_window("NeoETI hand"));
@@ -86,8 +86,8 @@ TEST_F(MouseDriver, AWindowThatIsClosedIsADeviceThatIsLost) {
     EXPECT_LT(way().norm(), 1e-6f) << "it stays where it was";
 }
 
-// A pointer that is set to the other side of the screen while it drags: 0.1 m in no time is no hand's motion.
-TEST_F(MouseDriver, APointerThatJumpsIsNotFollowedAtOnce) {
+// A pointer that jumps to the other side of the screen during a drag: 0.1 m in no time is no hand's motion.
+TEST_F(MouseDriver, PointerJumpIsDelayed) {
     ASSERT_TRUE(xdotool("mousemove 10 150 mousedown 1"));
     loop_->run_for(100ms);
     const Vec3f before = way();
@@ -99,7 +99,7 @@ TEST_F(MouseDriver, APointerThatJumpsIsNotFollowedAtOnce) {
     ASSERT_TRUE(xdotool("mouseup 1"));
 }
 
-TEST(Mouse, WithoutADisplayItSaysWhatToDo) {
+TEST(Mouse, MissingDisplayErrorNamesTheVariable) {
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
     try {

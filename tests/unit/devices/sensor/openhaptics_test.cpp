@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "devices/sensor/openhaptics.hpp"
+#include "devices/sensor/vendor/openhaptics.hpp"
 
 #include <gmock/gmock.h>
 
@@ -23,13 +23,13 @@ std::string openhaptics_refusal(const SensorSetup& setup) {
     return "opened";
 }
 
-/// The cycle that a haptic loop would run: exchange through a watch, in whatever thread calls.
+/// The cycle of a haptic loop: exchanges through a monitor, in the calling thread.
 class Cycle final : public ServoCycle {
   public:
     explicit Cycle(Sensor& device) : watch(device, limits()) {}
-    static WatchLimits limits() {
-        WatchLimits limits;
-        limits.frozen_after = 0.3f;  // so that the test need not wait for 5 s
+    static SensorMonitorLimits limits() {
+        SensorMonitorLimits limits;
+        limits.frozen_after = 0.3f;  // so that the test does not wait for 5 s
         return limits;
     }
     void servo_cycle() noexcept override {
@@ -45,7 +45,7 @@ class Cycle final : public ServoCycle {
         thread = std::this_thread::get_id();
         ++cycles;
     }
-    SensorWatch watch;
+    SensorMonitor watch;
     std::atomic<float> pull{0.0f}, x{0.0f}, y{0.0f};
     std::atomic<bool> present{false}, finite{true};
     std::atomic<std::uint32_t> buttons{0};
@@ -73,7 +73,7 @@ class OpenHapticsDriver : public ::testing::Test {
 
     bool tended_until(auto condition) {
         return eventually([&] {
-            device_->tend();
+            device_->poll_events();
             return condition();
         });
     }
@@ -85,25 +85,25 @@ class OpenHapticsDriver : public ::testing::Test {
     std::unique_ptr<Cycle> cycle_;
 };
 
-TEST_F(OpenHapticsDriver, RunsTheCycleInTheVendorsThreadAndReadsInMetres) {
+TEST_F(OpenHapticsDriver, RunsCycleInVendorThreadInMetres) {
     EXPECT_NE(cycle_->thread.load(), std::this_thread::get_id());
     EXPECT_NEAR(cycle_->x, 0.01f, 1e-3f);
     EXPECT_NEAR(cycle_->y, 0.02f, 1e-3f);
-    EXPECT_FLOAT_EQ(device_->abilities().force, 3.3f);
-    EXPECT_EQ(device_->abilities().torque, 0.0f) << "a device of three motors";
+    EXPECT_FLOAT_EQ(device_->capabilities().force, 3.3f);
+    EXPECT_EQ(device_->capabilities().torque, 0.0f) << "a device of three motors";
     state_.buttons = 2;
     EXPECT_TRUE(eventually([&] { return cycle_->buttons == 2u; }));
     state_.buttons = 0;
 }
 
-TEST_F(OpenHapticsDriver, AForceMovesTheHandThatHoldsIt) {
+TEST_F(OpenHapticsDriver, ForceMovesTheSimulatedHand) {
     cycle_->pull = 2.0f;
     EXPECT_TRUE(eventually([&] { return state_.force[0] == 2.0; }));
     // 2 N against 900 N/m: 2.2 mm.
     EXPECT_TRUE(eventually([&] { return cycle_->x > 0.0119f && cycle_->x < 0.0125f; })) << cycle_->x;
 }
 
-TEST_F(OpenHapticsDriver, UnpluggedItIsLostAndComesBackByItself) {
+TEST_F(OpenHapticsDriver, ReconnectsAfterUnplugging) {
     const int opened = state_.opened;
     state_.plugged = false;
     ASSERT_TRUE(tended_until([&] { return cycle_->watch.health().lost && !device_->fault().empty(); }));
@@ -116,7 +116,7 @@ TEST_F(OpenHapticsDriver, UnpluggedItIsLostAndComesBackByItself) {
     EXPECT_TRUE(state_.forces_on) << "motors are switched on again";
 }
 
-TEST_F(OpenHapticsDriver, AServoThreadThatStopsCallingIsNoticed) {
+TEST_F(OpenHapticsDriver, StalledServoThreadIsDetected) {
     state_.servo_calls = false;
     ASSERT_TRUE(tended_until([&] { return !device_->fault().empty() || state_.opened > 1; }));
     state_.servo_calls = true;
@@ -124,7 +124,7 @@ TEST_F(OpenHapticsDriver, AServoThreadThatStopsCallingIsNoticed) {
     EXPECT_TRUE(tended_until([&] { return cycle_->cycles > before + 10; }));
 }
 
-TEST_F(OpenHapticsDriver, APoseThatFreezesWhileTheServoCallsIsNoticedUnderAForce) {
+TEST_F(OpenHapticsDriver, FrozenPoseIsDetectedUnderForce) {
     state_.frozen = true;
     const int before = cycle_->cycles;
     ASSERT_TRUE(eventually([&] { return cycle_->cycles > before + 600; }));
@@ -138,14 +138,14 @@ TEST_F(OpenHapticsDriver, APoseThatFreezesWhileTheServoCallsIsNoticedUnderAForce
     EXPECT_FALSE(cycle_->watch.health().lost);
 }
 
-TEST_F(OpenHapticsDriver, TenHertzIsReported) {
+TEST_F(OpenHapticsDriver, TenHertzIsReportedAsSlow) {
     state_.servo_period_us = 100'000;
     EXPECT_TRUE(tended_until([&] { return cycle_->watch.health().slow; }));
     EXPECT_FALSE(cycle_->watch.health().lost);
     EXPECT_EQ(device_->fault(), "");
 }
 
-TEST_F(OpenHapticsDriver, AbsurdPosesAreNotPassedOn) {
+TEST_F(OpenHapticsDriver, ImplausiblePosesAreRejected) {
     state_.shift_mm = 1000.0;
     std::this_thread::sleep_for(50ms);
     EXPECT_LT(cycle_->x, 0.1f);
@@ -163,7 +163,7 @@ TEST_F(OpenHapticsDriver, AbsurdPosesAreNotPassedOn) {
     EXPECT_GT(cycle_->watch.health().jumps, 0u);
 }
 
-TEST(OpenHapticsLibrary, AbsentTheErrorNamesWhatToInstall) {
+TEST(OpenHapticsLibrary, MissingLibraryNamesWhatToInstall) {
     SensorSetup setup;
     setup.library = "/nowhere/libHD.so";
     EXPECT_THAT(openhaptics_refusal(setup),
@@ -172,13 +172,13 @@ TEST(OpenHapticsLibrary, AbsentTheErrorNamesWhatToInstall) {
     EXPECT_THAT(openhaptics_refusal(setup), HasSubstr("Install OpenHaptics"));
 }
 
-TEST(OpenHapticsLibrary, AnotherLibraryIsRefusedByName) {
+TEST(OpenHapticsLibrary, WrongLibraryIsRefusedByName) {
     SensorSetup setup;
     setup.library = STAND_IN_TRAKSTAR;
     EXPECT_THAT(openhaptics_refusal(setup), AllOf(HasSubstr("hdInitDevice"), HasSubstr("another library")));
 }
 
-TEST(OpenHapticsLibrary, ADeviceThatDoesNotAnswerIsRefusedWithTheVendorsWords) {
+TEST(OpenHapticsLibrary, UnresponsiveDeviceReportsTheVendorError) {
     SensorSetup setup;
     setup.library = STAND_IN_OPENHAPTICS;
     setup.source = "nobody";

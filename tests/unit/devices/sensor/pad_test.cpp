@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "devices/sensor/device_error.hpp"
-#include "devices/sensor/gamepad.hpp"
-#include "devices/sensor/keyboard.hpp"
+#include "devices/sensor/input/gamepad.hpp"
+#include "devices/sensor/input/keyboard.hpp"
 #include "vendor_fixture.hpp"
 
 namespace eti::devices {
@@ -19,12 +19,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A pipe with a name stands in for the kernel's device file: the same bytes come out of it.
+/// A named pipe stands in for the kernel's device file and delivers the same bytes.
 class GamepadDriver : public ::testing::Test {
   protected:
     void SetUp() override {
         ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
-        // Both ways, so that opening does not wait for the driver.
+        // Opened for both, so that opening does not block until the driver opens it.
         pad_ = ::open(file_.c_str(), O_RDWR | O_CLOEXEC);
         ASSERT_GE(pad_, 0);
     }
@@ -60,7 +60,7 @@ TEST_F(GamepadDriver, AxesAndButtonsComeThrough) {
     EXPECT_TRUE(loop.until([&] { return loop.reading.buttons == 0u; }));
 }
 
-TEST_F(GamepadDriver, NumbersBeyondItsOwnAreLeftOut) {
+TEST_F(GamepadDriver, OutOfRangeIndicesAreIgnored) {
     const auto device = open_gamepad(setup());
     Loop loop(*device);
     send(JS_EVENT_AXIS, 200, 32767);
@@ -71,7 +71,7 @@ TEST_F(GamepadDriver, NumbersBeyondItsOwnAreLeftOut) {
     EXPECT_EQ(loop.reading.buttons, 0u);
 }
 
-TEST_F(GamepadDriver, UnpluggedItIsLostAndComesBackByItself) {
+TEST_F(GamepadDriver, ReconnectsAfterUnplugging) {
     const auto device = open_gamepad(setup());
     Loop loop(*device);
     send(JS_EVENT_AXIS, 0, 32767);
@@ -96,7 +96,7 @@ TEST(Gamepad, AMissingFileIsNamed) {
     }
 }
 
-/// What a child with a terminal of its own saw of the keys typed there; as its exit status.
+/// What a child with its own terminal received of the typed keys, as its exit status.
 int typed(const std::string& keys, int (*seen)(Loop&)) {
     int terminal = -1;
     const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
@@ -119,7 +119,7 @@ int typed(const std::string& keys, int (*seen)(Loop&)) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST(Keyboard, ArrowsDeflectForATenthOfASecond) {
+TEST(Keyboard, ArrowsDeflectFor100ms) {
     EXPECT_EQ(
         typed("\x1b[C\x1b[A",
               [](Loop& loop) {
@@ -135,7 +135,7 @@ TEST(Keyboard, ArrowsDeflectForATenthOfASecond) {
         0);
 }
 
-TEST(Keyboard, SSwitchesSuctionAndBracketsTheTable) {
+TEST(Keyboard, STogglesSuctionAndBracketsTiltTheTable) {
     EXPECT_EQ(typed("s]",
                     [](Loop& loop) {
                         return loop.until([&] {
@@ -147,7 +147,7 @@ TEST(Keyboard, SSwitchesSuctionAndBracketsTheTable) {
               0);
 }
 
-TEST(Keyboard, ATerminalThatGoesIsADeviceThatIsLost) {
+TEST(Keyboard, ClosedTerminalIsALostDevice) {
     int terminal = -1;
     const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
     if (child == 0) {

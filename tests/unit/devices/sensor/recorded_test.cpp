@@ -13,7 +13,7 @@
 #include "common/math/random.hpp"
 #include "common/session/writer.hpp"
 #include "devices/sensor/device_error.hpp"
-#include "devices/sensor/sensor_watch.hpp"
+#include "devices/sensor/sensor_monitor.hpp"
 
 namespace eti::devices {
 namespace {
@@ -35,7 +35,7 @@ class RecordedDriver : public ::testing::Test {
   protected:
     void TearDown() override { std::filesystem::remove(file_); }
 
-    /// The blade moves along x at 0.1 m/s and turns about z at 1 rad/s; the tube stays behind.
+    /// The blade moves along x at 0.1 m/s and rotates about z at 1 rad/s; the tube stays behind.
     void record(int steps) {
         std::filesystem::remove(file_);
         session::SessionWriter writer(file_, {}, {}, {});
@@ -63,33 +63,33 @@ TEST_F(RecordedDriver, FollowsTheRecordingAtItsSimulationTimes) {
     Reading reading;
     for (int i = 0; i <= 500; ++i) {
         seen.time = 1e-3 * i;
-        device->look(seen);
+        device->observe(seen);
         reading = device->exchange({}, 1e-3f);
-        // Between steps too: straight lines between points of a straight line, to float rounding.
+        // Also between steps: points on a straight line are interpolated exactly, up to float rounding.
         ASSERT_NEAR(reading.motion.pose.translation.x(), 1e-4f * static_cast<float>(i), 1e-6f);
         ASSERT_NEAR(rotation_vector(reading.motion.pose.rotation).z(), 1e-3f * static_cast<float>(i), 1e-5f);
     }
     EXPECT_NEAR(reading.motion.velocity.x(), 0.1f, 1e-3f);
     EXPECT_FALSE(device->finished());
     seen.time = 7.0;
-    device->look(seen);
+    device->observe(seen);
     EXPECT_NEAR(device->exchange({}, 1e-3f).motion.pose.translation.x(), 0.1f, 1e-6f);
     EXPECT_TRUE(device->finished());
     seen.time = 0.0;  // another session begins
-    device->look(seen);
+    device->observe(seen);
     EXPECT_NEAR(device->exchange({}, 1e-3f).motion.pose.translation.x(), 0.0f, 1e-6f);
     setup.tool = Tool::tube;
     EXPECT_EQ(open_recorded(setup)->exchange({}, 0.0f).motion.pose.translation, Vec3f(0, 0.5f, 0));
 }
 
-/// A second of a recording at `rate` [1/s], which `spoil` makes absurd half-way, through a watch.
+/// A second of a recording at `rate` [1/s], corrupted half-way by `spoil`, read through a monitor.
 struct Played {
     SensorHealth health;
-    float farthest = 0.0f;  ///< [m], that the device was let to move in a cycle
+    float farthest = 0.0f;  ///< [m], maximum displacement of the device passed on in a cycle
     bool finite = true, present = false;
 };
 
-class AbsurdRecording : public RecordedDriver {
+class ImplausibleRecording : public RecordedDriver {
   protected:
     Played play(int rate, const std::function<void(session::StepRecord&)>& spoil) {
         std::filesystem::remove(file_);
@@ -112,13 +112,13 @@ class AbsurdRecording : public RecordedDriver {
         SensorSetup setup;
         setup.source = file_;
         const auto device = open_recorded(setup);
-        SensorWatch watch(*device);
+        SensorMonitor watch(*device);
         Played played;
         Observation seen;
         Vec3f last = watch.exchange({}, 0.0f).motion.pose.translation;
         for (int i = 0; i < 700; ++i) {
             seen.time = 1e-3 * i;
-            watch.look(seen);
+            watch.observe(seen);
             const Reading reading = watch.exchange({}, 1e-3f);
             const Vec3f at = reading.motion.pose.translation;
             played.farthest = std::max(played.farthest, (at - last).norm());
@@ -129,17 +129,17 @@ class AbsurdRecording : public RecordedDriver {
         played.health = watch.health();
         return played;
     }
-    static constexpr float hand = 3.0f * 1e-3f + 5e-3f;  // [m], what a watch believes of a millisecond
+    static constexpr float hand = 3.0f * 1e-3f + 5e-3f;  // [m], what a monitor accepts per millisecond
 };
 
-TEST_F(AbsurdRecording, AJumpOfAMetreIsNotFollowed) {
+TEST_F(ImplausibleRecording, OneMetreJumpIsNotFollowed) {
     const Played played =
         play(180, [](session::StepRecord& step) { step.laryngoscope.translation.y() = 1.0f; });
     EXPECT_GT(played.health.jumps, 0u);
     EXPECT_LT(played.farthest, hand);
 }
 
-TEST_F(AbsurdRecording, NumbersThatAreNoneAreLeftOut) {
+TEST_F(ImplausibleRecording, NonFiniteSamplesAreSkipped) {
     const Played played = play(180, [](session::StepRecord& step) {
         step.laryngoscope.translation.z() = std::numeric_limits<float>::quiet_NaN();
     });
@@ -148,14 +148,14 @@ TEST_F(AbsurdRecording, NumbersThatAreNoneAreLeftOut) {
     EXPECT_FALSE(played.present);
 }
 
-TEST_F(AbsurdRecording, ATurnThatIsNoneIsLeftOut) {
+TEST_F(ImplausibleRecording, InvalidRotationIsSkipped) {
     const Played played =
         play(180, [](session::StepRecord& step) { step.laryngoscope.rotation = Quatf(0, 0, 0, 0); });
     EXPECT_GT(played.health.not_finite, 0u);
     EXPECT_FALSE(played.present);
 }
 
-TEST_F(AbsurdRecording, AFrozenOneStandsStillAndTenHertzIsFollowedWithoutJumps) {
+TEST_F(ImplausibleRecording, FrozenAndTenHertzCauseNoJumps) {
     const Played frozen =
         play(180, [](session::StepRecord& step) { step.laryngoscope.translation.x() = 0.05f; });
     EXPECT_TRUE(frozen.present);
@@ -165,8 +165,8 @@ TEST_F(AbsurdRecording, AFrozenOneStandsStillAndTenHertzIsFollowedWithoutJumps) 
     EXPECT_LT(slow.farthest, 2e-4f) << "0.1 m/s, between its steps too";
 }
 
-// The plug of a recording: its file. It was read whole when it was opened.
-TEST_F(RecordedDriver, AFileThatGoesWhileItPlaysIsNotMissed) {
+// Deleting the file is like unplugging the device. It was read completely when it was opened.
+TEST_F(RecordedDriver, FileDeletedDuringPlaybackIsHarmless) {
     record(181);
     SensorSetup setup;
     setup.source = file_;
@@ -174,14 +174,14 @@ TEST_F(RecordedDriver, AFileThatGoesWhileItPlaysIsNotMissed) {
     std::filesystem::remove(file_);
     Observation seen;
     seen.time = 0.5;
-    device->look(seen);
+    device->observe(seen);
     const Reading reading = device->exchange({}, 1e-3f);
     EXPECT_TRUE(reading.present);
     EXPECT_NEAR(reading.motion.pose.translation.x(), 0.05f, 1e-6f);
 }
 
-// What crashes the library that reads it must not crash the device's program.
-TEST_F(RecordedDriver, ADamagedFileIsRefusedHoweverItIsDamaged) {
+// A crash of the library that reads it must not crash the device's program.
+TEST_F(RecordedDriver, DamagedFileIsRefusedWithoutCrash) {
     record(60);
     std::vector<char> whole(std::filesystem::file_size(file_));
     std::ifstream(file_, std::ios::binary).read(whole.data(), static_cast<std::streamsize>(whole.size()));
@@ -199,7 +199,7 @@ TEST_F(RecordedDriver, ADamagedFileIsRefusedHoweverItIsDamaged) {
     }
 }
 
-TEST_F(RecordedDriver, FilesThatAreNoneAreRefused) {
+TEST_F(RecordedDriver, InvalidFilesAreRefused) {
     EXPECT_THAT(recording_refusal(""), HasSubstr("--source"));
     EXPECT_THAT(recording_refusal("/nowhere/x.eti.h5"), HasSubstr("/nowhere/x.eti.h5"));
     std::ofstream(file_) << "this is no session";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "devices/sensor/spacenav.hpp"
+#include "devices/sensor/vendor/spacenav.hpp"
 
 #include <gmock/gmock.h>
 #include <spnav.h>
@@ -38,9 +38,9 @@ class SpacenavDriver : public ::testing::Test {
     std::unique_ptr<Loop> loop_;
 };
 
-// Fully pushed for ten events of 10 ms: 10 cm/s * 0.1 s = 1 cm; right of the operator is the patient's
-// right, up is anterior, away from the body is towards the feet.
-TEST_F(SpacenavDriver, ThePushSetsTheVelocityAsTheOperatorSeesIt) {
+// Fully pushed for ten events of 10 ms: 10 cm/s * 0.1 s = 1 cm; the operator's right is the patient's right,
+// up is anterior, away from the body is towards the feet.
+TEST_F(SpacenavDriver, PushSetsVelocityInOperatorFrame) {
     for (int i = 0; i < 10; ++i) {
         ASSERT_TRUE(send(1, {350, 0, 0, 0, 0, 0}));
     }
@@ -61,7 +61,7 @@ TEST_F(SpacenavDriver, ThePushSetsTheVelocityAsTheOperatorSeesIt) {
     EXPECT_TRUE(loop_->reading.present);
 }
 
-TEST_F(SpacenavDriver, NoEventMovesItFartherThanAHandWould) {
+TEST_F(SpacenavDriver, EventMotionIsLimitedToHandSpeed) {
     ASSERT_TRUE(send(1, {2'000'000'000, 0, 0, -2'000'000'000, 0, 0}, 4'000'000'000u));
     loop_->run_for(100ms);
     EXPECT_LE(way().norm(), 0.10f * 0.05f + 1e-6f);
@@ -75,7 +75,7 @@ TEST_F(SpacenavDriver, ButtonsAreBits) {
     EXPECT_TRUE(loop_->until([&] { return loop_->reading.buttons == 0u; }));
 }
 
-TEST_F(SpacenavDriver, ADaemonThatDiesIsReportedAndFoundAgain) {
+TEST_F(SpacenavDriver, ReconnectsAfterDaemonDeath) {
     state_.hang_up();
     ASSERT_TRUE(loop_->until([&] { return loop_->watch.health().lost && !device_->fault().empty(); }));
     EXPECT_THAT(device_->fault(), HasSubstr("systemctl start spacenavd"));
@@ -84,14 +84,14 @@ TEST_F(SpacenavDriver, ADaemonThatDiesIsReportedAndFoundAgain) {
     EXPECT_EQ(device_->fault(), "");
 }
 
-TEST_F(SpacenavDriver, AnUnpluggedDeviceIsLostAndFoundAgain) {
+TEST_F(SpacenavDriver, ReconnectsAfterUnplugging) {
     ASSERT_TRUE(send(SPNAV_EVENT_DEV, {SPNAV_DEV_RM, 0, 0, 0, 0, 0}));
     ASSERT_TRUE(loop_->until([&] { return loop_->watch.health().lost && !device_->fault().empty(); }));
     EXPECT_THAT(device_->fault(), HasSubstr("unplugged"));
     EXPECT_TRUE(loop_->until([&] { return loop_->reading.present; }));
 }
 
-TEST(SpacenavLibrary, WithoutADaemonItSaysWhatToStart) {
+TEST(SpacenavLibrary, MissingDaemonErrorNamesIt) {
     auto& state = stand_in_state<stand_in::SpacenavState>(STAND_IN_SPACENAV, "stand_in_spacenav");
     state.daemon = false;
     SensorSetup setup;
@@ -105,8 +105,8 @@ TEST(SpacenavLibrary, WithoutADaemonItSaysWhatToStart) {
     state.daemon = true;
 }
 
-// Debian's own library, which the driver loads when it is told of no other.
-TEST(SpacenavLibrary, DebiansLibraryHasTheEntryPoints) {
+// Debian's own library, which the driver loads by default.
+TEST(SpacenavLibrary, DebianLibraryHasTheEntryPoints) {
     try {
         (void)open_spacenav({});
     } catch (const DeviceError& error) {

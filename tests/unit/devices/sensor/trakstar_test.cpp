@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "devices/sensor/trakstar.hpp"
+#include "devices/sensor/vendor/trakstar.hpp"
 
 #include <gmock/gmock.h>
 
@@ -41,7 +41,7 @@ TEST_F(TrakstarDriver, ReadsMillimetresAndTheSensorsAxes) {
     EXPECT_TRUE(state_.millimetres);
     EXPECT_EQ(state_.sensor, 2);
     EXPECT_LT((loop_->reading.motion.pose.translation - Vec3f(0.2f, 0.03f, 0.04f)).norm(), 1e-6f);
-    // It turns at +0.1 rad/s about z, from no turn at the start of its clock.
+    // It rotates at +0.1 rad/s about z, from zero at the start of its clock.
     const Vec3f first = rotation_vector(loop_->reading.motion.pose.rotation);
     loop_->run_for(500ms);
     const Vec3f later = rotation_vector(loop_->reading.motion.pose.rotation);
@@ -50,7 +50,7 @@ TEST_F(TrakstarDriver, ReadsMillimetresAndTheSensorsAxes) {
     EXPECT_NEAR(loop_->reading.motion.angular_velocity.z(), 0.1f, 0.03f);
 }
 
-TEST_F(TrakstarDriver, UnpluggedItIsLostAndComesBackByItself) {
+TEST_F(TrakstarDriver, ReconnectsAfterUnplugging) {
     const int opened = state_.opened;
     state_.plugged = false;
     ASSERT_TRUE(loop_->until([&] { return loop_->watch.health().lost; }));
@@ -70,7 +70,7 @@ TEST_F(TrakstarDriver, AnUnpluggedSensorIsNamed) {
     EXPECT_THAT(device_->fault(), HasSubstr("sensor 2 is not plugged in"));
 }
 
-TEST_F(TrakstarDriver, OutOfItsRangeThereIsNoMeasurement) {
+TEST_F(TrakstarDriver, OutOfRangeGivesNoMeasurement) {
     state_.status = 0x1000;
     EXPECT_TRUE(loop_->until([&] { return !loop_->reading.present; }));
     EXPECT_EQ(device_->fault(), "");
@@ -81,24 +81,24 @@ TEST_F(TrakstarDriver, AFrozenTrackerIsLost) {
     EXPECT_TRUE(loop_->until([&] { return loop_->watch.health().lost; }));
 }
 
-TEST_F(TrakstarDriver, TenHertzIsReported) {
+TEST_F(TrakstarDriver, TenHertzIsReportedAsSlow) {
     state_.rate = 10.0;
     EXPECT_TRUE(loop_->until([&] { return loop_->watch.health().slow; }));
     EXPECT_FALSE(loop_->watch.health().lost);
-    // The second that saw the change may hold some samples of before.
+    // The second in which it changed may contain some earlier samples.
     loop_->run_for(1100ms);
     EXPECT_NEAR(loop_->watch.health().rate, 10.0f, 2.5f);
 }
 
-TEST_F(TrakstarDriver, AbsurdPosesAreNotPassedOn) {
+TEST_F(TrakstarDriver, ImplausiblePosesAreRejected) {
     state_.shift_mm = 1000.0;
     loop_->run_for(100ms);
     EXPECT_EQ(x(), 0.2f);
     EXPECT_GT(loop_->watch.health().jumps, 0u);
     state_.shift_mm = 0.0;
     ASSERT_TRUE(loop_->until([&] { return loop_->reading.present; }));
-    // The other hemisphere is what a magnetic tracker confuses: every sign flips, and stays so for longer
-    // than a new place takes to be believed.
+    // A magnetic tracker may confuse hemispheres: every sign flips, and stays so for longer than a new
+    // position takes to be accepted.
     state_.other_hemisphere = true;
     loop_->run_for(600ms);
     EXPECT_EQ(x(), 0.2f);
@@ -114,7 +114,7 @@ TEST_F(TrakstarDriver, AbsurdPosesAreNotPassedOn) {
     }
 }
 
-TEST(TrakstarLibrary, AbsentOrWrongItSaysWhatToDo) {
+TEST(TrakstarLibrary, MissingOrWrongLibraryNamesTheRemedy) {
     const auto refusal = [](const std::string& library, const std::string& source) -> std::string {
         SensorSetup setup;
         setup.library = library;

@@ -29,8 +29,8 @@ TEST(TripleBuffer, GivesTheNewestOnce) {
     }
 }
 
-// A torn value would hold two different numbers; one read out of order would go back.
-TEST(TripleBuffer, NeverTearsAndNeverGoesBack) {
+// A torn value would hold two different numbers; one read out of order would decrease.
+TEST(TripleBuffer, ReadsAreUntornAndMonotonic) {
     constexpr std::uint64_t writes = 300'000;
     using Value = std::array<std::uint64_t, 64>;
     TripleBuffer<Value> buffer;

@@ -8,14 +8,14 @@
 #include <chrono>
 #include <thread>
 
-#include "devices/sensor/sensor_watch.hpp"
+#include "devices/sensor/sensor_monitor.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace eti::devices {
 
 using namespace std::chrono_literals;
 
-/// The state that a stand-in library shares with the test. The driver loads the same file by itself.
+/// The state that a stand-in library shares with the test. The driver loads the same file on its own.
 template <class State>
 [[nodiscard]] State& stand_in_state(const char* file, const char* function) {
     void* library = ::dlopen(file, RTLD_NOW);
@@ -27,7 +27,7 @@ template <class State>
 
 using test::eventually;
 
-/// Exchanges with the device once a millisecond by the clock, as its loop would.
+/// Exchanges with the device once a millisecond of wall time, as its loop would.
 class Loop {
   public:
     explicit Loop(Sensor& device) : watch(device) {}
@@ -37,12 +37,12 @@ class Loop {
         const auto now = std::chrono::steady_clock::now();
         const float elapsed = std::chrono::duration<float>(now - last_).count();
         last_ = now;
-        watch.tend();
+        watch.poll_events();
         return reading = watch.exchange(wrench, elapsed);
     }
 
     template <class Condition>
-    [[nodiscard]] bool until(Condition condition, std::chrono::milliseconds limit = test::patience) {
+    [[nodiscard]] bool until(Condition condition, std::chrono::milliseconds limit = test::default_timeout) {
         const auto end = std::chrono::steady_clock::now() + limit;
         for (once(); !condition(); once()) {
             if (std::chrono::steady_clock::now() > end) {
@@ -56,7 +56,7 @@ class Loop {
         (void)until([] { return false; }, time);
     }
 
-    SensorWatch watch;
+    SensorMonitor watch;
     Wrench wrench;
     Reading reading;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/annotation_board.hpp"
+#include "server/app/run/annotation_board.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,14 +9,14 @@
 #include <limits>
 #include <set>
 
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti::app {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-/// One triangle of a tongue that hangs on one frame.
+/// One triangle of a tongue skinned to one frame.
 anatomy::Patient patient_with_a_tongue() {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero(), Vec3f(0.1f, 0.0f, 0.0f)};
@@ -52,9 +52,9 @@ msg::Annotation annotation(msg::AnnotationKind kind, const std::string& text,
     return out;
 }
 
-class AnAnnotationBoard : public ::testing::Test {
+class AnnotationBoardTest : public ::testing::Test {
   protected:
-    AnAnnotationBoard() {
+    AnnotationBoardTest() {
         now_.time_ns = 2'000'000'000;
         now_.frames = {FramePose{}, FramePose{Vec3f(0.1f, 0.0f, 0.0f), Quatf::Identity()}};
     }
@@ -64,8 +64,8 @@ class AnAnnotationBoard : public ::testing::Test {
     scene::Snapshot now_;
 };
 
-TEST_F(AnAnnotationBoard, KeepsANoteInWordsWithItsTime) {
-    const auto taken = board_.take(annotation(msg::ANNOTATION_NOTE, "sweep the tongue aside"), now_);
+TEST_F(AnnotationBoardTest, StoresNoteTextWithTime) {
+    const auto taken = board_.handle(annotation(msg::ANNOTATION_NOTE, "sweep the tongue aside"), now_);
     EXPECT_EQ(taken.refusal, "");
     EXPECT_EQ(taken.event.kind, "note");
     EXPECT_EQ(taken.event.text, "desk:7: sweep the tongue aside");
@@ -76,12 +76,12 @@ TEST_F(AnAnnotationBoard, KeepsANoteInWordsWithItsTime) {
     EXPECT_EQ(taken.shown[0].what().text().to_string(), "sweep the tongue aside");
 }
 
-TEST_F(AnAnnotationBoard, RecordsWhereAPlaceIsAsTissueMoves) {
-    // The frame has gone 10 mm up and turned by 90 deg about z, so that x points along y.
+TEST_F(AnnotationBoardTest, RecordsPointInDeformedTissue) {
+    // The frame has moved up by 10 mm and rotated by 90 deg about z, so that x points along y.
     now_.frames[1].centre = Vec3f(0.1f, 0.0f, 0.010f);
     now_.frames[1].rotation = Quatf(Eigen::AngleAxisf(90.0f * degree, Vec3f::UnitZ()));
     const auto taken =
-        board_.take(annotation(msg::ANNOTATION_POINT, "here", {place(0, 0.5f, 0.25f, 0.001f)}), now_);
+        board_.handle(annotation(msg::ANNOTATION_POINT, "here", {place(0, 0.5f, 0.25f, 0.001f)}), now_);
     ASSERT_EQ(taken.refusal, "");
     EXPECT_EQ(taken.event.kind, "annotation");
     EXPECT_EQ(taken.event.text, "desk:7 points at tongue: here");
@@ -93,10 +93,10 @@ TEST_F(AnAnnotationBoard, RecordsWhereAPlaceIsAsTissueMoves) {
     EXPECT_LT((taken.places->position.at(0) - expected).norm(), 1e-6f);
 }
 
-TEST_F(AnAnnotationBoard, AMarkOnTheBladeGoesWithIt) {
+TEST_F(AnnotationBoardTest, MarkOnBladeMovesWithBlade) {
     now_.proxy.translation = Vec3f(0.0f, 0.0f, 0.5f);
     const auto taken =
-        board_.take(annotation(msg::ANNOTATION_POINT, "", {place(0, 0.0f, 0.0f)}, "laryngoscope"), now_);
+        board_.handle(annotation(msg::ANNOTATION_POINT, "", {place(0, 0.0f, 0.0f)}, "laryngoscope"), now_);
     ASSERT_EQ(taken.refusal, "");
     const TriangleMesh mesh = laryngoscope_mesh(make_laryngoscope(Blade::miller_1));
     EXPECT_LT(
@@ -104,7 +104,7 @@ TEST_F(AnAnnotationBoard, AMarkOnTheBladeGoesWithIt) {
         1e-6f);
 }
 
-TEST_F(AnAnnotationBoard, TakesNothingThatCannotBeRight) {
+TEST_F(AnnotationBoardTest, RefusesInvalidAnnotations) {
     const auto inside = place(0, 0.2f, 0.2f);
     const std::vector<std::pair<msg::Annotation, const char*>> wrong{
         {annotation(msg::ANNOTATION_NOTE, ""), "without words"},
@@ -124,32 +124,32 @@ TEST_F(AnAnnotationBoard, TakesNothingThatCannotBeRight) {
         {annotation(msg::ANNOTATION_STROKE, "", {inside, place(0, 1e30f, 0.2f)}), "not on its triangle"},
     };
     for (const auto& [message, why] : wrong) {
-        const auto taken = board_.take(message, now_);
+        const auto taken = board_.handle(message, now_);
         EXPECT_THAT(taken.refusal, testing::HasSubstr(why));
         EXPECT_TRUE(taken.shown.empty()) << why;
         EXPECT_FALSE(taken.places) << why;
     }
-    EXPECT_EQ(board_.take(annotation(msg::ANNOTATION_POINT, "", {inside}), now_).shown.at(0).slot(), 0u)
+    EXPECT_EQ(board_.handle(annotation(msg::ANNOTATION_POINT, "", {inside}), now_).shown.at(0).slot(), 0u)
         << "what was refused took no place";
 }
 
-TEST_F(AnAnnotationBoard, TheNewestTakesThePlaceOfTheOldest) {
+TEST_F(AnnotationBoardTest, NewestReplacesOldestWhenFull) {
     std::vector<std::uint32_t> slots;
-    for (std::uint32_t i = 0; i < AnnotationBoard::most + 2; ++i) {
-        slots.push_back(board_.take(annotation(msg::ANNOTATION_NOTE, "n"), now_).shown.at(0).slot());
+    for (std::uint32_t i = 0; i < AnnotationBoard::capacity + 2; ++i) {
+        slots.push_back(board_.handle(annotation(msg::ANNOTATION_NOTE, "n"), now_).shown.at(0).slot());
     }
-    EXPECT_EQ(std::set(slots.begin(), slots.end()).size(), AnnotationBoard::most);
-    EXPECT_EQ(slots[AnnotationBoard::most], slots[0]);
-    EXPECT_EQ(slots[AnnotationBoard::most + 1], slots[1]);
+    EXPECT_EQ(std::set(slots.begin(), slots.end()).size(), AnnotationBoard::capacity);
+    EXPECT_EQ(slots[AnnotationBoard::capacity], slots[0]);
+    EXPECT_EQ(slots[AnnotationBoard::capacity + 1], slots[1]);
 }
 
-TEST_F(AnAnnotationBoard, WipesEveryMark) {
+TEST_F(AnnotationBoardTest, ClearRemovesEveryMark) {
     const auto stroke = annotation(msg::ANNOTATION_STROKE, "", {place(0, 0.1f, 0.1f), place(0, 0.2f, 0.1f)});
     std::set<std::uint32_t> shown;
     for (int i = 0; i < 3; ++i) {
-        shown.insert(board_.take(stroke, now_).shown.at(0).slot());
+        shown.insert(board_.handle(stroke, now_).shown.at(0).slot());
     }
-    const auto wiped = board_.take(annotation(msg::ANNOTATION_CLEAR, ""), now_);
+    const auto wiped = board_.handle(annotation(msg::ANNOTATION_CLEAR, ""), now_);
     EXPECT_EQ(wiped.event.text, "desk:7 wipes all marks away");
     std::set<std::uint32_t> emptied;
     for (const msg::ShownAnnotation& one : wiped.shown) {
@@ -157,8 +157,8 @@ TEST_F(AnAnnotationBoard, WipesEveryMark) {
         emptied.insert(one.slot());
     }
     EXPECT_EQ(emptied, shown);
-    EXPECT_TRUE(board_.take(annotation(msg::ANNOTATION_CLEAR, ""), now_).shown.empty());
-    EXPECT_EQ(board_.take(stroke, now_).event.text, "desk:7 draws on tongue");
+    EXPECT_TRUE(board_.handle(annotation(msg::ANNOTATION_CLEAR, ""), now_).shown.empty());
+    EXPECT_EQ(board_.handle(stroke, now_).event.text, "desk:7 draws on tongue");
 }
 
 }  // namespace

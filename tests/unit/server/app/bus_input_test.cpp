@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/bus_input.hpp"
+#include "server/app/run/bus_input.hpp"
 
 #include <gtest/gtest.h>
 
-#include "common/bus/convert.hpp"
+#include "common/bus/codec/convert.hpp"
 #include "tests/unit/common/bus/bus_fixture.hpp"
 
 namespace eti::app {
@@ -22,9 +22,9 @@ msg::ToolPose pose_at(float x, std::uint32_t buttons = 0) {
     return message;
 }
 
-class ABusInput : public testing::Test {
+class BusInputTest : public testing::Test {
   protected:
-    /// Sends until the server has it.
+    /// Sends until the server has received it.
     bool heard(bus::Publisher<msg::ToolPose>& from, float x) {
         return eventually([&] {
             from.publish(pose_at(x, 1));
@@ -38,7 +38,7 @@ class ABusInput : public testing::Test {
     BusInput input_{server_};
 };
 
-TEST_F(ABusInput, ADeviceThatStopsIsSilentAfterHalfASecondAndKeepsItsPlace) {
+TEST_F(BusInputTest, StoppedDeviceTurnsSilentAndKeepsPose) {
     bus::Node hand(bus::options("hand"));
     bus::Publisher<msg::ToolPose> poses(hand, bus::topics::laryngoscope_pose);
     EXPECT_EQ(input_.laryngoscope().presence(), msg::DEVICE_NONE);
@@ -56,7 +56,7 @@ TEST_F(ABusInput, ADeviceThatStopsIsSilentAfterHalfASecondAndKeepsItsPlace) {
     EXPECT_TRUE(heard(poses, 0.2f)) << "it is back";
 }
 
-TEST_F(ABusInput, ASecondDeviceIsFollowedOnceTheFirstIsSilent) {
+TEST_F(BusInputTest, SecondDeviceTakesOverFromSilentFirst) {
     bus::Node first(bus::options("first")), second(bus::options("second"));
     bus::Publisher<msg::ToolPose> one(first, bus::topics::laryngoscope_pose);
     ASSERT_TRUE(heard(one, 0.1f));
@@ -71,7 +71,7 @@ TEST_F(ABusInput, ASecondDeviceIsFollowedOnceTheFirstIsSilent) {
     EXPECT_TRUE(heard(two, 0.5f));
 }
 
-TEST_F(ABusInput, PosesThatNoHandHasAreRefused) {
+TEST_F(BusInputTest, ImplausiblePosesAreRefused) {
     bus::Node hand(bus::options("hand"));
     bus::Publisher<msg::ToolPose> poses(hand, bus::topics::tube_pose);
     ASSERT_TRUE(eventually([&] {
@@ -88,7 +88,7 @@ TEST_F(ABusInput, PosesThatNoHandHasAreRefused) {
     EXPECT_FALSE(input_.tube().pose());
 }
 
-TEST_F(ABusInput, AnnotationsOfOneSenderAreTwentyAtOnce) {
+TEST_F(BusInputTest, AnnotationsAreRateLimitedPerSender) {
     bus::Node teacher(bus::options("teacher"));
     bus::Publisher<msg::Annotation> notes(teacher, bus::topics::annotation);
     ASSERT_TRUE(eventually([&] { return notes.matched() == 1; }));

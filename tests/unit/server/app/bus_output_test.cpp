@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/bus_output.hpp"
+#include "server/app/output/bus_output.hpp"
 
 #include <algorithm>
 
-#include "common/bus/fluid_state.hpp"
-#include "common/bus/session_keys.hpp"
+#include "common/bus/codec/fluid_state.hpp"
+#include "common/bus/security/session_keys.hpp"
 #include "tests/unit/common/bus/bus_fixture.hpp"
 
 namespace eti::app {
@@ -28,7 +28,7 @@ class BusOutputTest : public ::testing::Test {
         scenario.description = "made by a test";
         scenario.text = "name: test";
         scenario.saliva = saliva;
-        LiveValues start;
+        RuntimeParameters start;
         start.tongue_scale = 1.25f;
         anatomy::Patient patient;
         patient.weight = 1.1f;
@@ -44,15 +44,15 @@ class BusOutputTest : public ::testing::Test {
     bus::Subscriber<msg::LiveMetrics> live_;
 };
 
-TEST_F(BusOutputTest, NobodyWritesLiquidForAScenarioWithoutSaliva) {
+TEST_F(BusOutputTest, DryScenarioHasNoLiquidWriter) {
     const auto writes = output(false);
-    // Writers are announced in the order in which they are made; that of the liquid would come before this.
+    // Writers are announced in the order of their creation; the liquid's would come before this one.
     bus::Subscriber<msg::SessionStatus> status(client_, bus::topics::session_status);
     ASSERT_TRUE(eventually([&] { return live_.matched() == 1 && status.matched() == 1; }));
     EXPECT_EQ(fluid_.matched(), 0);
 }
 
-TEST_F(BusOutputTest, TheSessionDescribesItselfToLateJoiners) {
+TEST_F(BusOutputTest, LateJoinerReceivesSessionDescription) {
     const auto writes = output(false);
     bus::Subscriber<msg::SessionDescription> descriptions(client_, bus::topics::session_description);
     msg::SessionDescription message;
@@ -83,7 +83,7 @@ TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {
     snapshot.saliva.positions.assign(bus::fluid_chunk_particles + 1, Vec3f(0.01f, 0.02f, 0.03f));
     std::vector<Vec3f> arrived;
     msg::FluidState message;
-    // Best effort: a reader may match a moment after the writer thinks so.
+    // Best effort: the reader may match later than the writer.
     const bool whole = eventually([&] {
         snapshot.step += 1;
         snapshot.time_ns += 5'000'000;
@@ -91,7 +91,7 @@ TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {
         std::this_thread::sleep_for(10ms);
         while (fluid_.take(message)) {
             EXPECT_EQ(message.header().simulation_time_ns() % 10'000'000, 0u) << "an odd step";
-            EXPECT_TRUE(bus::take_fluid_chunk(message, 1.0f, arrived));
+            EXPECT_TRUE(bus::decode_fluid_chunk(message, 1.0f, arrived));
         }
         return arrived.size() >= snapshot.saliva.positions.size();
     });
@@ -100,7 +100,7 @@ TEST_F(BusOutputTest, LiquidArrivesInEverySecondStep) {
     EXPECT_LT((arrived.back() - Vec3f(0.01f, 0.02f, 0.03f)).norm(), 1.74f * 0.2f / 131070.0f);
 }
 
-TEST_F(BusOutputTest, WhatWasSeenComesWithItsSnapshot) {
+TEST_F(BusOutputTest, LiveMetricsCarrySnapshotTime) {
     const auto writes = output(false);
     ASSERT_TRUE(eventually([&] { return live_.matched() == 1; }));
     scene::Snapshot snapshot;
@@ -108,7 +108,7 @@ TEST_F(BusOutputTest, WhatWasSeenComesWithItsSnapshot) {
     snapshot.time_ns = 66'666'666;
     snapshot.tube_force = Vec3f(0.0f, 3.0f, 4.0f);
     snapshot.landmarks[3] = Vec3f(0.1f, 0.2f, 0.3f);
-    LiveMeasures values;
+    AttemptStatus values;
     values.glottic_opening_percent = 42.0f;
     msg::LiveMetrics message;
     ASSERT_TRUE(eventually([&] {
@@ -122,7 +122,7 @@ TEST_F(BusOutputTest, WhatWasSeenComesWithItsSnapshot) {
     EXPECT_EQ(message.landmarks()[3].y(), 0.2f);
 }
 
-TEST_F(BusOutputTest, AStateThatTookAnothersPlaceBringsTheStatusThatWasDue) {
+TEST_F(BusOutputTest, ReplacedStateStillPublishesDueStatus) {
     const auto writes = output(false);
     bus::Subscriber<msg::SessionStatus> status(client_, bus::topics::session_status);
     ASSERT_TRUE(eventually([&] { return status.matched() == 1; }));

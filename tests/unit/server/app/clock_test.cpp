@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/clock.hpp"
+#include "server/app/run/clock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr int steps = 100;
 constexpr double period = 1e-3;  // [s]
-constexpr double work = 2e-3;    // [s], of a step: twice what there is
+constexpr double work = 2e-3;    // [s] per step: twice the time available
 
 /// Runs steps that take at least `work`. A busy machine makes them longer, never shorter.
 double behind_after(StepClock& clock) {
@@ -23,22 +23,22 @@ double behind_after(StepClock& clock) {
     return clock.behind();
 }
 
-TEST(StepClock, FallsBehindByWhatItsStepsTakeTooLong) {
+TEST(StepClock, LagEqualsAccumulatedOverrun) {
     StepClock clock(period, true);
     EXPECT_GE(behind_after(clock), (steps - 1) * (work - period));
-    EXPECT_GE(clock.late(), static_cast<std::uint32_t>(steps - 1));
+    EXPECT_GE(clock.late_steps(), static_cast<std::uint32_t>(steps - 1));
 }
 
-TEST(StepClock, LeavesToOthersItsShare) {
+TEST(StepClock, ReservesIdleShare) {
     StepClock clock(period, true, 0.5);
-    // But for the 20 ms that it may run ahead of what it owes.
+    // Except for the 20 ms that it may run ahead.
     EXPECT_GE(behind_after(clock), (steps - 1) * (work - period + 0.5 * work) - 0.02);
 }
 
-TEST(StepClock, WithoutPaceNothingIsLate) {
+TEST(StepClock, UnpacedClockIsNeverLate) {
     StepClock clock(period, false, 0.5);
     EXPECT_EQ(behind_after(clock), 0.0);
-    EXPECT_EQ(clock.late(), 0u);
+    EXPECT_EQ(clock.late_steps(), 0u);
     EXPECT_GE(clock.percentile(0.5), 0.99 * work) << "kept in floats";
     clock.wait();
     clock.done();

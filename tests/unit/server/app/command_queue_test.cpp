@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/command_queue.hpp"
+#include "server/app/run/command_queue.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,13 +17,13 @@ ReceivedCommand command(const std::string& name, float value, std::uint32_t id =
     return {"someone", id, name, value};
 }
 
-class ACommandQueue : public testing::Test {
+class CommandQueueTest : public testing::Test {
   protected:
     CommandQueue queue_;
     CommandQueue::Clock::time_point start_ = CommandQueue::Clock::now();
 };
 
-TEST_F(ACommandQueue, GivesAFewCommandsInTheirOrder) {
+TEST_F(CommandQueueTest, DeliversCommandsInOrder) {
     ASSERT_TRUE(queue_.put(alice, command("b", 1.0f)));
     ASSERT_TRUE(queue_.put(bob, command("a", 2.0f)));
     ASSERT_TRUE(queue_.put(alice, command("a", 3.0f)));
@@ -35,8 +35,8 @@ TEST_F(ACommandQueue, GivesAFewCommandsInTheirOrder) {
     EXPECT_TRUE(queue_.take_due(start_).empty());
 }
 
-// 10,000 a second for two seconds: 20 at once and 20 a second, and the last one counts.
-TEST_F(ACommandQueue, AFloodIsCarriedOutTwentyTimesASecondWithItsLastValue) {
+// 10,000 a second for two seconds: 20 at once and 20 a second pass, and the last one takes effect.
+TEST_F(CommandQueueTest, FloodIsThrottledAndKeepsLastValue) {
     std::size_t done = 0, answered = 0;
     float last = -1.0f;
     for (int step = 0; step < 360; ++step) {
@@ -58,10 +58,10 @@ TEST_F(ACommandQueue, AFloodIsCarriedOutTwentyTimesASecondWithItsLastValue) {
     }
     EXPECT_EQ(last, 360.0f * 56.0f - 1.0f);
     std::string who;
-    EXPECT_GT(queue_.take_flood(who), 10'000u);
+    EXPECT_GT(queue_.take_replaced_count(who), 10'000u);
 }
 
-TEST_F(ACommandQueue, OnesFloodHoldsNobodyElseUp) {
+TEST_F(CommandQueueTest, FloodDoesNotDelayOtherSenders) {
     for (int i = 0; i < 1000; ++i) {
         (void)queue_.put(alice, command("kind" + std::to_string(i), 0.0f));
     }
@@ -71,8 +71,8 @@ TEST_F(ACommandQueue, OnesFloodHoldsNobodyElseUp) {
     EXPECT_EQ(due.back().name, "stop");
 }
 
-TEST_F(ACommandQueue, SendersAndKindsAreBounded) {
-    for (std::uint8_t i = 0; i < CommandQueue::most_senders; ++i) {
+TEST_F(CommandQueueTest, SenderCountIsBounded) {
+    for (std::uint8_t i = 0; i < CommandQueue::max_senders; ++i) {
         ASSERT_TRUE(queue_.put({i, 7}, command("a", 0.0f)));
     }
     EXPECT_FALSE(queue_.put({200}, command("a", 0.0f))) << "all the others wait for something";
@@ -80,16 +80,16 @@ TEST_F(ACommandQueue, SendersAndKindsAreBounded) {
     EXPECT_TRUE(queue_.put({200}, command("a", 0.0f)));
 }
 
-TEST(SenderAllowance, EachHasItsOwn) {
-    SenderAllowance allowed(5.0);
-    const auto now = Allowance::Clock::now();
+TEST(SenderRateLimiter, LimitsEachSenderSeparately) {
+    SenderRateLimiter allowed(5.0);
+    const auto now = RateLimiter::Clock::now();
     for (int i = 0; i < 5; ++i) {
-        EXPECT_TRUE(allowed.take(alice, now));
+        EXPECT_TRUE(allowed.try_acquire(alice, now));
     }
-    EXPECT_FALSE(allowed.take(alice, now));
-    EXPECT_TRUE(allowed.take(bob, now));
-    EXPECT_TRUE(allowed.take(alice, now + 200ms)) << "five a second";
-    EXPECT_FALSE(allowed.take(alice, now + 210ms));
+    EXPECT_FALSE(allowed.try_acquire(alice, now));
+    EXPECT_TRUE(allowed.try_acquire(bob, now));
+    EXPECT_TRUE(allowed.try_acquire(alice, now + 200ms)) << "five a second";
+    EXPECT_FALSE(allowed.try_acquire(alice, now + 210ms));
 }
 
 }  // namespace

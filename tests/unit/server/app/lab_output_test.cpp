@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/lab_output.hpp"
+#include "server/app/output/lab_output.hpp"
 
 #include <map>
 #include <optional>
 
-#include "common/bus/places.hpp"
+#include "common/bus/codec/quantised_positions.hpp"
 #include "common/math/random.hpp"
 #include "tests/unit/common/bus/bus_fixture.hpp"
 
@@ -17,7 +17,7 @@ using std::chrono_literals::operator""ms;
 
 constexpr std::size_t most_vertices = 3 * bus::chunk_positions + 5;
 
-/// Three frames, two surfaces of several chunks, particles of two tissues in turn.
+/// Three frames, two surfaces of several chunks, particles of two alternating tissues.
 anatomy::Patient patient_of_two_surfaces() {
     Random random(3);
     const auto length = [&] { return 0.1f * random.uniform(); };
@@ -67,7 +67,7 @@ class LabOutputTest : public ::testing::Test {
         }
     }
 
-    /// Steps until all chunks of one state have come, and gives them by chunk.
+    /// Steps until all chunks of one state have arrived, and returns them by chunk.
     template <class Message>
     std::map<int, Message> whole_state(bus::Subscriber<Message>& reader) {
         std::map<std::uint32_t, std::map<int, Message>> states;
@@ -92,14 +92,14 @@ class LabOutputTest : public ::testing::Test {
     scene::Snapshot snapshot_;
 };
 
-/// Half a quantum of the chunk's box, and what floats of up to 0.3 m leave of it.
+/// Half a quantum of the chunk's box, and the rounding of floats of up to 0.3 m.
 template <class Message>
 Vec3f bound(const Message& message) {
     return (bus::from_msg(message.upper()) - bus::from_msg(message.lower())) / 131070.0f +
            Vec3f::Constant(0.3f * 0x1p-23f);
 }
 
-TEST_F(LabOutputTest, WhatNobodyReadsIsNeitherCopiedNorComputed) {
+TEST_F(LabOutputTest, UnsubscribedTopicsAreNotComputed) {
     // Readers of other topics do not count.
     bus::Subscriber<msg::DeformationState> other(client_, bus::topics::deformation);
     steps(60);
@@ -129,7 +129,7 @@ TEST_F(LabOutputTest, WhatNobodyReadsIsNeitherCopiedNorComputed) {
     EXPECT_GT(output_.work().particles_written, work.particles_written);
 }
 
-TEST_F(LabOutputTest, SurfacesComeAsClientsSkinThem) {
+TEST_F(LabOutputTest, SurfacesMatchClientSkinning) {
     bus::Subscriber<msg::MeshState> reader(client_, bus::topics::mesh_state);
     std::map<std::string, std::size_t> vertices;
     for (const auto& [number, message] : whole_state(reader)) {
@@ -137,7 +137,7 @@ TEST_F(LabOutputTest, SurfacesComeAsClientsSkinThem) {
         const Surface& surface = patient_.surfaces.at(message.object().to_string() == "face" ? 0 : 1);
         EXPECT_EQ(message.object().to_string(), surface.name);
         std::vector<Vec3f> chunk;
-        ASSERT_TRUE(bus::take_positions(message, 1.0f, chunk));
+        ASSERT_TRUE(bus::decode_positions(message, 1.0f, chunk));
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             const std::size_t v = message.first() + i;
             const Vec3f exact = skin_point(surface.mesh.vertices.at(v), surface.skin.at(v),
@@ -152,14 +152,14 @@ TEST_F(LabOutputTest, SurfacesComeAsClientsSkinThem) {
     EXPECT_EQ(vertices["tongue"], 40u);
 }
 
-TEST_F(LabOutputTest, ParticlesComeByTissue) {
+TEST_F(LabOutputTest, ParticlesAreGroupedByTissue) {
     bus::Subscriber<msg::ParticleState> reader(client_, bus::topics::particle_state);
     std::map<std::uint32_t, std::size_t> found;
     for (const auto& [number, message] : whole_state(reader)) {
         const bool epiglottis = message.tissue() == static_cast<std::uint32_t>(Tissue::epiglottis);
         EXPECT_EQ(message.count(), epiglottis ? 100u : 400u);
         std::vector<Vec3f> chunk;
-        ASSERT_TRUE(bus::take_positions(message, 1.0f, chunk));
+        ASSERT_TRUE(bus::decode_positions(message, 1.0f, chunk));
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             const std::size_t n = message.first() + i;
             const std::size_t particle = epiglottis ? 5 * n : 5 * (n / 4) + n % 4 + 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/patient_cache.hpp"
+#include "server/app/run/patient_cache.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 namespace eti::app {
 namespace {
 
-/// Surfaces of which only that they are the same is asked.
+/// Surfaces that are only compared for equality.
 constexpr anatomy::BuildSettings rough{
     .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 5e-3f, .body_triangles = 10000};
 
@@ -24,7 +24,7 @@ anatomy::BuildSettings with_spacing(float spacing) {
     return settings;
 }
 
-/// A cache of its own for each test, which begins with what the usual newborn left in an empty one.
+/// A cache of its own for each test, initialised with what the default newborn left in an empty one.
 class PatientCache : public ::testing::Test {
   protected:
     static void SetUpTestSuite() {
@@ -55,8 +55,8 @@ class PatientCache : public ::testing::Test {
         return std::distance(std::filesystem::directory_iterator(folder_), {});
     }
     std::filesystem::path folder_ = folder_of("");
-    static std::unique_ptr<anatomy::Patient> usual_;  ///< as it was built for an empty cache
-    static std::unique_ptr<anatomy::Patient> finer_;  ///< of other particles, built from nothing
+    static std::unique_ptr<anatomy::Patient> usual_;  ///< as built with an empty cache
+    static std::unique_ptr<anatomy::Patient> finer_;  ///< with another particle spacing, built from scratch
 };
 std::unique_ptr<anatomy::Patient> PatientCache::usual_;
 std::unique_ptr<anatomy::Patient> PatientCache::finer_;
@@ -77,7 +77,7 @@ void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) 
     EXPECT_EQ(a.shell.distance.value, b.shell.distance.value);
 }
 
-TEST_F(PatientCache, WhatWasBuiltIsReadAgain) {
+TEST_F(PatientCache, BuiltModelIsReused) {
     EXPECT_EQ(files(), 1);
     const anatomy::Patient read = cached_patient({}, rough);
     EXPECT_EQ(files(), 1);
@@ -85,7 +85,7 @@ TEST_F(PatientCache, WhatWasBuiltIsReadAgain) {
     expect_same_surfaces(read, *usual_);
 }
 
-TEST_F(PatientCache, AnotherStiffnessBuildsNothing) {
+TEST_F(PatientCache, StiffnessChangeReusesModel) {
     anatomy::BuildSettings settings = rough;
     settings.tissue_stiffness = 12e3f;
     const anatomy::Patient stiff = cached_patient({}, settings);
@@ -101,8 +101,8 @@ TEST_F(PatientCache, AnotherStiffnessBuildsNothing) {
     expect_same_surfaces(stiff, *usual_);
 }
 
-// Reference: the same built from nothing.
-TEST_F(PatientCache, OtherSpacingsBorrowTheSurfaces) {
+// Reference: the same built from scratch.
+TEST_F(PatientCache, OtherSpacingReusesSurfaces) {
     const anatomy::Patient patient = cached_patient({}, with_spacing(3e-3f));
     EXPECT_EQ(files(), 2);
     EXPECT_GT(patient.particles.size(), usual_->particles.size());
@@ -111,13 +111,13 @@ TEST_F(PatientCache, OtherSpacingsBorrowTheSurfaces) {
     EXPECT_EQ(patient.frame_rest_centre, finer_->frame_rest_centre);
 }
 
-TEST_F(PatientCache, AnotherShapeBorrowsNothing) {
+TEST_F(PatientCache, OtherShapeIsBuiltFromScratch) {
     const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, rough);
     EXPECT_NE(large.surfaces[0].mesh.vertices, usual_->surfaces[0].mesh.vertices);
     EXPECT_EQ(files(), 2);
 }
 
-TEST_F(PatientCache, ADamagedModelLendsNothing) {
+TEST_F(PatientCache, CorruptModelIsNotReused) {
     for (const auto& file : std::filesystem::directory_iterator(folder_)) {
         std::filesystem::resize_file(file.path(), 1000);
     }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/recorded_states.hpp"
+#include "server/app/replay/recorded_states.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
 
 #include "common/model/pace.hpp"
-#include "server/app/recorder.hpp"
+#include "server/app/output/recorder.hpp"
 #include "tests/unit/server/app/small_patient.hpp"
 
 namespace eti::app {
@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr std::size_t frame_count = 12;
-// As the recorder's test derives them: the quantum that a frame must move by, and half a cell of the file's
+// As derived in the recorder's test: the quantum by which a frame must move, and half a cell of the file's
 // grid.
 constexpr float shift_tolerance = frame_shift_quantum + 0.9f * 0x1p-20f;
 constexpr float turn_tolerance = frame_turn_quantum + 2.0f * 0x1p-15f;
@@ -45,7 +45,7 @@ class RecordedStatesTest : public ::testing::Test {
     }
     ~RecordedStatesTest() override { std::filesystem::remove(path); }
 
-    /// Records steps 1 to `count`, each as `change` makes it.
+    /// Records steps 1 to `count`, each modified by `change`.
     template <class Change>
     void record(std::uint64_t count, const Change& change, bool saliva = false) {
         session::SessionInfo info;
@@ -67,24 +67,24 @@ class RecordedStatesTest : public ::testing::Test {
 
     std::filesystem::path path;
     scene::Snapshot snapshot;
-    metrics::Live live;
-    Parameters parameters;
+    metrics::LiveMetrics live;
+    AttemptMetrics parameters;
     std::vector<scene::Snapshot> truth;
 };
 
-TEST_F(RecordedStatesTest, ToolsAreExactAndTissueMovesEvenlyBetweenRecords) {
+TEST_F(RecordedStatesTest, ToolsAreExactAndTissueIsInterpolated) {
     record(360, [&](float step) {
         snapshot.proxy.translation.x() = 1e-4f * step;
         snapshot.tube_nodes[1].y() = 2e-4f * step;
-        snapshot.live.jaw_opening = 1e-3f * step;
-        // A steady motion is carried on evenly: what lies between records is right, too.
+        snapshot.runtime_parameters.jaw_opening = 1e-3f * step;
+        // A steady motion is interpolated evenly: states between records are correct, too.
         snapshot.frames[3].centre.x() = 5e-5f * step;
         snapshot.frames[4].rotation = quaternion_from({0.0f, 2e-3f * step, 0.0f});
     });
     const Recording recording = read_recording(path);
     RecordedStates states(recording, Scenario{});
     ASSERT_EQ(states.size(), truth.size());
-    // Forwards, then backwards: what was shown before does not matter.
+    // Forwards, then backwards: the result does not depend on the previous query.
     for (std::size_t k = 0; k < 2 * truth.size(); ++k) {
         const std::size_t row = k < truth.size() ? k : 2 * truth.size() - 1 - k;
         const scene::Snapshot& was = truth[row];
@@ -92,20 +92,20 @@ TEST_F(RecordedStatesTest, ToolsAreExactAndTissueMovesEvenlyBetweenRecords) {
         ASSERT_EQ(is.step, was.step);
         EXPECT_EQ(is.proxy.translation, was.proxy.translation);
         EXPECT_EQ(is.tube_nodes, was.tube_nodes);
-        EXPECT_EQ(is.live.jaw_opening, was.live.jaw_opening);
+        EXPECT_EQ(is.runtime_parameters.jaw_opening, was.runtime_parameters.jaw_opening);
         EXPECT_LE((is.frames[3].centre - was.frames[3].centre).norm(), shift_tolerance) << row;
         EXPECT_LE(rotation_vector(is.frames[4].rotation.conjugate() * was.frames[4].rotation).norm(),
                   turn_tolerance)
             << row;
         EXPECT_LE((is.frames[5].centre - was.frames[5].centre).norm(), shift_tolerance);
     }
-    // A point goes with its frame.
+    // A point moves with its frame.
     const scene::Snapshot& last = states.at(truth.size() - 1);
     EXPECT_NEAR(last.landmarks[3].x(), 0.03f - 0.01f + 5e-5f * 360.0f, shift_tolerance);
 }
 
-TEST_F(RecordedStatesTest, WhatRestedDoesNotBeginToMoveBeforeItDid) {
-    // At rest for two seconds, in which nothing is recorded of it, then within a period 1 mm away.
+TEST_F(RecordedStatesTest, RestingTissueDoesNotMoveEarly) {
+    // At rest for two seconds, during which nothing is recorded of it, then within a period 1 mm away.
     record(420, [&](float step) { snapshot.frames[2].centre.y() = step > 372.0f ? 1e-3f : 0.0f; });
     const Recording recording = read_recording(path);
     RecordedStates states(recording, Scenario{});
@@ -115,7 +115,7 @@ TEST_F(RecordedStatesTest, WhatRestedDoesNotBeginToMoveBeforeItDid) {
     EXPECT_NEAR(states.at(400).frames[2].centre.y(), 1e-3f, 1e-6f);
 }
 
-TEST_F(RecordedStatesTest, MeasuresAreWhatWasMeasured) {
+TEST_F(RecordedStatesTest, MetricsMatchRecording) {
     record(120, [&](float step) {
         live.attempt = 2;
         live.attempt_running = step < 100.0f;
@@ -130,13 +130,13 @@ TEST_F(RecordedStatesTest, MeasuresAreWhatWasMeasured) {
     });
     const Recording recording = read_recording(path);
     RecordedStates states(recording, Scenario{});
-    const LiveMeasures& late = states.measures(110);
+    const AttemptStatus& late = states.measures(110);
     EXPECT_EQ(late.attempt, 2u);
     EXPECT_FALSE(late.attempt_running);
     EXPECT_EQ(late.gum_force, 0.1f * 111.0f);
     EXPECT_EQ(late.glottic_opening_percent, 111.0f);
     EXPECT_EQ(late.tube_depth_past_glottis, -0.01f);
-    EXPECT_EQ(late.parameters.time_s, 111.0 / 180.0);
+    EXPECT_EQ(late.metrics.time_s, 111.0 / 180.0);
     EXPECT_FALSE(late.eye);
     EXPECT_TRUE(states.measures(10).attempt_running);
     EXPECT_TRUE(states.at(10).shell_contacts.empty());
@@ -146,7 +146,7 @@ TEST_F(RecordedStatesTest, MeasuresAreWhatWasMeasured) {
     EXPECT_LT((states.at(110).shell_contacts[0].position - Vec3f(0.01f, 0.02f, 0.03f)).norm(), 1e-8f);
 }
 
-TEST_F(RecordedStatesTest, LiquidStaysUntilTheNextRecord) {
+TEST_F(RecordedStatesTest, LiquidIsHeldUntilNextRecord) {
     record(
         60,
         [&](float step) {
@@ -167,7 +167,7 @@ TEST_F(RecordedStatesTest, LiquidStaysUntilTheNextRecord) {
     EXPECT_EQ(states.at(23).saliva.positions.size(), 24u);
 }
 
-TEST_F(RecordedStatesTest, RefusesAnImpossibleFrame) {
+TEST_F(RecordedStatesTest, RefusesInvalidRecording) {
     record(30, [](float) {});
     Recording recording = read_recording(path);
     const auto refusal = [&] {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/recorder.hpp"
+#include "server/app/output/recorder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/session/check.hpp"
 #include "common/session/reader.hpp"
+#include "common/session/repair/check.hpp"
 #include "tests/unit/server/app/small_patient.hpp"
 
 namespace eti::app {
@@ -45,7 +45,7 @@ class RecorderTest : public ::testing::Test {
         return {path, info, small_patient(), make_laryngoscope(Blade::miller_0), scenario, snapshot, true};
     }
 
-    /// Moves the snapshot on to step `number` at 180 Hz.
+    /// Advances the snapshot to step `number` at 180 Hz.
     void advance(std::uint64_t number) {
         snapshot.step = number;
         snapshot.time_ns = number * 1'000'000'000 / 180;
@@ -54,10 +54,10 @@ class RecorderTest : public ::testing::Test {
     std::filesystem::path folder;
     std::filesystem::path path;
     scene::Snapshot snapshot;
-    metrics::Live live;
+    metrics::LiveMetrics live;
 };
 
-TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
+TEST_F(RecorderTest, WritesSnapshotValues) {
     snapshot.device.translation = {0.5f, 0.25f, 0.125f};
     snapshot.tube_grip.rotation = quaternion_from({0.3f, 0.2f, 0.1f});
     const scene::Snapshot start = snapshot;
@@ -75,14 +75,14 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     snapshot.tissue_contacts = {{Vec3f(0, 0, 2), Vec3f::Zero(), Vec3f(0, 3, 4), 1e-3f, Tissue::upper_gum},
                                 {Vec3f(5, 0, 0), Vec3f::Zero(), Vec3f(0, 0, 1), 1e-3f, Tissue::tongue},
                                 {Vec3f(7, 0, 0), Vec3f::Zero(), Vec3f(0, 0, -1), 1e-3f, Tissue::tongue}};
-    snapshot.live.suction = 0.5f;
-    snapshot.live.head_elevation = 0.4f;
-    snapshot.live.jaw_opening = 0.3f;
-    snapshot.live.table_angle = -0.2f;
-    snapshot.live.head_scale = 1.1f;
-    snapshot.live.tongue_scale = 1.2f;
-    snapshot.live.tissue_stiffness = 9e3f;
-    snapshot.live.secretion = 3.0f;
+    snapshot.runtime_parameters.suction = 0.5f;
+    snapshot.runtime_parameters.head_elevation = 0.4f;
+    snapshot.runtime_parameters.jaw_opening = 0.3f;
+    snapshot.runtime_parameters.table_angle = -0.2f;
+    snapshot.runtime_parameters.head_scale = 1.1f;
+    snapshot.runtime_parameters.tongue_scale = 1.2f;
+    snapshot.runtime_parameters.tissue_stiffness = 9e3f;
+    snapshot.runtime_parameters.secretion = 3.0f;
     snapshot.frames[1].rotation = quaternion_from({0.25f, 0.0f, 0.0f});
     snapshot.landmarks[4] = {22, 23, 24};
     live.epiglottis_in_sight = true;
@@ -92,7 +92,7 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     live.glottic_opening_percent = 42.0f;
     live.gum_force = 2.5f;
     live.tube_depth_past_glottis = -0.01f;
-    Parameters parameters;
+    AttemptMetrics parameters;
     parameters.time_s = 12.5;
     RigidTransform eye;
     eye.translation = {19, 20, 21};
@@ -131,14 +131,14 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(first.tissue_force, Vec3f(13, 14, 15));
     EXPECT_EQ(first.tissue_torque, Vec3f(16, 17, 18));
     EXPECT_EQ(first.tube_nodes, snapshot.tube_nodes);
-    EXPECT_EQ(first.live.suction, 0.5f);
-    EXPECT_EQ(first.live.head_elevation, 0.4f);
-    EXPECT_EQ(first.live.jaw_opening, 0.3f);
-    EXPECT_EQ(first.live.table_angle, -0.2f);
-    EXPECT_EQ(first.live.head_scale, 1.1f);
-    EXPECT_EQ(first.live.tongue_scale, 1.2f);
-    EXPECT_EQ(first.live.tissue_stiffness, 9e3f);
-    EXPECT_EQ(first.live.secretion, 3.0f);
+    EXPECT_EQ(first.runtime_parameters.suction, 0.5f);
+    EXPECT_EQ(first.runtime_parameters.head_elevation, 0.4f);
+    EXPECT_EQ(first.runtime_parameters.jaw_opening, 0.3f);
+    EXPECT_EQ(first.runtime_parameters.table_angle, -0.2f);
+    EXPECT_EQ(first.runtime_parameters.head_scale, 1.1f);
+    EXPECT_EQ(first.runtime_parameters.tongue_scale, 1.2f);
+    EXPECT_EQ(first.runtime_parameters.tissue_stiffness, 9e3f);
+    EXPECT_EQ(first.runtime_parameters.secretion, 3.0f);
     EXPECT_EQ(first.attempt, 3u);
     EXPECT_TRUE(first.attempt_running);
     const Quatf& skull = snapshot.frames[1].rotation;
@@ -150,7 +150,7 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_EQ(first.glottic_opening_percent, 42.0f);
     EXPECT_EQ(first.gum_force_n, 2.5f);
     EXPECT_EQ(first.tube_depth_past_glottis, -0.01f);
-    EXPECT_EQ(first.parameters.time_s, 12.5);
+    EXPECT_EQ(first.metrics.time_s, 12.5);
     ASSERT_EQ(reader.commands().size(), 1u);
     EXPECT_EQ(reader.commands()[0].sender, "trainee");
     ASSERT_EQ(reader.events().size(), 1u);
@@ -174,13 +174,13 @@ TEST_F(RecorderTest, WritesWhatTheSnapshotSays) {
     EXPECT_FALSE(reader.info().version.empty());
     EXPECT_FALSE(reader.info().build.empty());
     EXPECT_EQ(reader.info().start_time.size(), std::string("2024-02-29T12:00:00Z").size());
-    EXPECT_TRUE(session::check(path).sound());
+    EXPECT_TRUE(session::check(path).is_valid());
 }
 
-TEST_F(RecorderTest, DeformationHoldsWhatMovedFifteenTimesASecond) {
+TEST_F(RecorderTest, DeformationStoresMovedFramesAt15Hertz) {
     Recorder kept = recorder();
-    // Frame 3 creeps by 7 um a step, so it passes the quantum of 20 um in every period of 12 steps;
-    // frame 4 creeps by 0.7 um and passes it in every third; the others rest.
+    // Frame 3 creeps by 7 um a step, so it exceeds the quantum of 20 um in every period of 12 steps; frame 4
+    // creeps by 0.7 um and exceeds it in every third; the others rest.
     constexpr std::uint64_t steps = 180;
     for (std::uint64_t i = 0; i < steps; ++i) {
         advance(i);
@@ -199,7 +199,7 @@ TEST_F(RecorderTest, DeformationHoldsWhatMovedFifteenTimesASecond) {
     }
 }
 
-TEST_F(RecorderTest, LiquidIsKeptFifteenTimesASecond) {
+TEST_F(RecorderTest, LiquidIsStoredAt15Hertz) {
     Recorder kept = recorder(true);
     snapshot.saliva.on = true;
     for (std::uint64_t i = 0; i < 180; ++i) {
@@ -219,7 +219,7 @@ TEST_F(RecorderTest, LiquidIsKeptFifteenTimesASecond) {
     }
 }
 
-TEST_F(RecorderTest, AReplayStaysWithinTheQuantum) {
+TEST_F(RecorderTest, ReplayErrorIsWithinQuantum) {
     Recorder kept = recorder();
     std::vector<std::vector<FramePose>> truth;
     for (std::uint64_t i = 0; i < 360; ++i) {

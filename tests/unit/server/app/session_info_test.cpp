@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/session_info.hpp"
+#include "server/app/output/session_info.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,12 +14,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(SessionInfo, OfTheSamePatientHereIsTheSame) {
+TEST(SessionInfo, SamePatientHasNoDifferences) {
     const anatomy::Patient patient = test::coarse_newborn();
     EXPECT_THAT(differences(session_info(Scenario{}, patient), session_info(Scenario{}, patient)), IsEmpty());
 }
 
-TEST(SessionInfo, NamesEverythingThatBitsDependOn) {
+TEST(SessionInfo, DifferencesNameEveryReproducibilityInput) {
     anatomy::Patient patient = test::coarse_newborn();
     const session::SessionInfo here = session_info(Scenario{}, patient);
     patient.particles.rest[7].x() += 1e-6f;
@@ -35,7 +35,7 @@ TEST(SessionInfo, NamesEverythingThatBitsDependOn) {
                             HasSubstr("Bullet 2"), HasSubstr("patient")));
 }
 
-TEST(SessionInfo, WhatAnOlderFileDoesNotSayDoesNotCount) {
+TEST(SessionInfo, FieldsMissingInOlderFilesAreIgnored) {
     const anatomy::Patient patient = test::coarse_newborn();
     session::SessionInfo recorded = session_info(Scenario{}, patient);
     recorded.more.clear();

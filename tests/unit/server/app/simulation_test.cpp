@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/simulation.hpp"
+#include "server/app/run/simulation.hpp"
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 Scenario stiff(float modulus, int substeps, TissueMethod model) {
     Scenario scenario;
     scenario.name = "stiff";
-    scenario.live.tissue_stiffness = modulus;
+    scenario.runtime_parameters.tissue_stiffness = modulus;
     scenario.physics.substeps = substeps;
     scenario.physics.tissue_method = model;
     return scenario;
@@ -23,16 +23,16 @@ Scenario stiff(float modulus, int substeps, TissueMethod model) {
 
 std::string refusal_of(const Scenario& scenario) {
     anatomy::Patient patient = test::coarse_newborn();
-    patient.tissue_stiffness = scenario.live.tissue_stiffness;
+    patient.tissue_stiffness = scenario.runtime_parameters.tissue_stiffness;
     try {
-        const Simulation simulation(scenario, patient, parked(scenario, patient));
+        const Simulation simulation(scenario, patient, parked_inputs(scenario, patient));
     } catch (const InputError& error) {
         return error.what();
     }
     return "none";
 }
 
-TEST(Simulation, RefusesTissueThatItsTetrahedraCannotBear) {
+TEST(Simulation, RefusesStiffnessAboveStabilityLimit) {
     // 0.8 * 4000 kg/m^3 * (3.5 mm * 720 / s)^2 = 20.3 kPa.
     EXPECT_THAT(refusal_of(stiff(21e3f, 4, TissueMethod::tetrahedra)),
                 AllOf(HasSubstr("'stiff'"), HasSubstr("tissue_stiffness_kpa is 21"),

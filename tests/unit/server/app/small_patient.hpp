@@ -6,7 +6,7 @@
 
 namespace eti::app {
 
-/// A tongue of one triangle on frame 7 of so many, all of which rest at a place.
+/// A tongue of one triangle on frame 7 of that many, all of which rest at one point.
 inline anatomy::Patient patient_of_a_triangle(std::size_t frames, const Vec3f& rest_centre) {
     anatomy::Patient patient;
     patient.frame_rest_centre.assign(frames, rest_centre);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/step_comparison.hpp"
+#include "server/app/replay/step_comparison.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ bool holds_all(const std::string&, std::size_t) {
     return true;
 }
 
-TEST(StepComparison, TakesWhatIsTheSameAsTheSame) {
+TEST(StepComparison, IdenticalStepsAreEqual) {
     StepComparison comparison(3, holds_all);
     comparison.compare(step(1), step(1), 0);
     EXPECT_EQ(comparison.steps(), 1u);
@@ -29,7 +29,7 @@ TEST(StepComparison, TakesWhatIsTheSameAsTheSame) {
     EXPECT_FALSE(comparison.first());
 }
 
-TEST(StepComparison, NamesTheFirstNumberThatDiffersByOneBit) {
+TEST(StepComparison, ReportsFirstOneBitDifference) {
     StepComparison comparison(3, holds_all);
     comparison.compare(step(1), step(1), 0);
     session::StepRecord other = step(2);
@@ -49,7 +49,7 @@ TEST(StepComparison, NamesTheFirstNumberThatDiffersByOneBit) {
     EXPECT_NEAR(comparison.first()->time, 2.0 / 180.0, 1e-9);
 }
 
-TEST(StepComparison, TellsZerosApart) {
+TEST(StepComparison, DistinguishesSignedZeros) {
     StepComparison comparison(3, holds_all);
     session::StepRecord other = step(1);
     other.shell_force.z() = -0.0f;
@@ -57,7 +57,7 @@ TEST(StepComparison, TellsZerosApart) {
     EXPECT_EQ(comparison.equal(), 0u);
 }
 
-TEST(StepComparison, LeavesOutWhatTheFileDoesNotHold) {
+TEST(StepComparison, IgnoresSeriesMissingFromFile) {
     StepComparison comparison(3, [](const std::string& series, std::size_t row) {
         return series != "tools/shell_force" || row != 0;
     });

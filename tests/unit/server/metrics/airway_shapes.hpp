@@ -11,7 +11,7 @@
 
 namespace eti::metrics::test {
 
-/// Landmarks of a plain airway: the mouth opens along +y (posterior), the trachea runs down -z.
+/// Landmarks of a simple airway: the mouth opens along +y (posterior), the trachea runs down -z.
 inline Landmarks plain_landmarks() {
     Landmarks points;
     points.fill(Vec3f::Zero());
@@ -43,7 +43,7 @@ inline scene::Snapshot plain_snapshot() {
     return snapshot;
 }
 
-/// A polyline and points at a length along it; continued straight beyond its ends.
+/// A polyline, evaluated by arc length; extrapolated straight beyond its ends.
 struct Path {
     std::vector<Vec3f> points;
 
@@ -64,7 +64,7 @@ struct Path {
     }
 };
 
-/// From before the face through mouth and glottis down the trachea.
+/// From in front of the face through mouth and glottis down the trachea.
 inline Path tracheal_path() {
     const Landmarks p = plain_landmarks();
     return {{Vec3f(0, -0.16f, -0.01f), at(p, Landmark::mouth_opening), at(p, Landmark::glottis),

@@ -38,7 +38,7 @@ TriangleMesh ellipsoid(const Vec3f& centre, const Vec3f& radii, int around, int 
     return mesh;
 }
 
-/// Blends every vertex from the three nearest of the frames' rest centres.
+/// Blends every vertex between the three frames with the nearest rest centres.
 std::vector<SkinWeights> skin(const TriangleMesh& mesh, const std::vector<Vec3f>& centres) {
     std::vector<SkinWeights> weights;
     for (const Vec3f& p : mesh.vertices) {
@@ -55,7 +55,7 @@ std::vector<SkinWeights> skin(const TriangleMesh& mesh, const std::vector<Vec3f>
     return weights;
 }
 
-/// A tunnel (the body, seen from inside), a tongue bulging into it and an epiglottis before a glottis.
+/// A tunnel (the body, seen from inside), a tongue bulging into it and an epiglottis in front of a glottis.
 struct Model {
     explicit Model(int detail) {
         Random random(5);
@@ -113,7 +113,7 @@ struct Model {
     scene::Snapshot snapshot;
 };
 
-/// Independent of the code under test: all triangles skinned and given way to the blade, plane and signed
+/// Independent of the code under test: all triangles skinned and displaced by the blade, plane and signed
 /// areas in double precision.
 bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, const Vec3f& target,
             double tolerance) {
@@ -133,8 +133,8 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
         return normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
                normal.dot((a - c).cross(p - c)) >= 0;
     };
-    const PlacedGiveWay give_way =
-        give_way_to(make_laryngoscope(Blade::miller_1), model.snapshot.proxy, model.snapshot.landmarks);
+    const PosedBladeClearanceDeformer give_way = blade_clearance_for(
+        make_laryngoscope(Blade::miller_1), model.snapshot.proxy, model.snapshot.landmarks);
     for (const Surface& surface : model.patient.surfaces) {
         std::vector<Vec3d> now;
         for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
@@ -166,7 +166,7 @@ bool hidden(const Model& model, const TriangleMesh& scope, const Vec3f& eye, con
     return false;
 }
 
-TEST(SamplePolygon, PointsLieInsideAndStandForTheArea) {
+TEST(SamplePolygon, PointsSampleAreaUniformly) {
     std::vector<Vec3f> contour;
     for (int i = 0; i < 16; ++i) {
         const float u = 2 * pi * static_cast<float>(i) / 16;
@@ -180,16 +180,15 @@ TEST(SamplePolygon, PointsLieInsideAndStandForTheArea) {
         EXPECT_NEAR(p.z(), 2.0f, 1e-5f);
         second_moment += p.x() * p.x() / 80;
     }
-    // Of an ellipse: a^2 / 4. The polygon's is smaller by 1 - (2 pi / 16)^2 / 6; what is left is the
-    // spiral's.
+    // For an ellipse: a^2 / 4. The polygon's is smaller by 1 - (2 pi / 16)^2 / 6; the rest is the spiral's.
     EXPECT_NEAR(second_moment, 9.0f / 4, 0.05f * 9 / 4);
     EXPECT_TRUE(sample_polygon({}, 80).empty());
     EXPECT_EQ(sample_polygon(std::vector<Vec3f>(3, Vec3f::Ones()), 4), std::vector<Vec3f>(4, Vec3f::Ones()));
 }
 
-// A triangle with an apex in front, as the glottis is, cut by straight edges in all directions; the reference
-// is the area of the polygon that is left (Sutherland & Hodgman 1974).
-TEST(SamplePolygon, AnEdgeIsMeasuredWithinTwoAndAHalfPoints) {
+// A triangle with its apex in front, like the glottis, cut by straight edges in all directions; the reference
+// is the area of the remaining polygon (Sutherland & Hodgman 1974).
+TEST(SamplePolygon, CutAreaErrorIsBounded) {
     const std::vector<Vec3f> contour = {{0, 2.8f, 0}, {2, -2, 0}, {1, -2.7f, 0}, {-1, -2.7f, 0}, {-2, -2, 0}};
     const auto area = [](const std::vector<Vec3f>& polygon) {
         Vec3f sum = Vec3f::Zero();
@@ -215,8 +214,8 @@ TEST(SamplePolygon, AnEdgeIsMeasuredWithinTwoAndAHalfPoints) {
                 }
             }
             const auto seen = std::ranges::count_if(samples, [&](const Vec3f& p) { return beyond(p) > 0; });
-            // An edge cuts what some 14 of 160 points stand for. Each then errs evenly by up to half of 0.6
-            // points: together by 0.7, and hardly ever by 2.5.
+            // An edge crosses the areas of some 14 of 160 points. Each then errs uniformly by up to half of
+            // 0.6 points: together by 0.7, and hardly ever by 2.5.
             EXPECT_NEAR(100.0 * static_cast<double>(seen) / static_cast<double>(samples.size()),
                         100.0 * area(left) / area(contour), 2.5)
                 << "turned by " << 5 * turn << " deg, at " << offset;
@@ -224,7 +223,7 @@ TEST(SamplePolygon, AnEdgeIsMeasuredWithinTwoAndAHalfPoints) {
     }
 }
 
-TEST(GlotticView, AScreenOverHalfTheGlottisLeavesHalf) {
+TEST(GlotticView, HalfOccludedGlottisIsHalfVisible) {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Surface screen;
@@ -238,19 +237,19 @@ TEST(GlotticView, AScreenOverHalfTheGlottisLeavesHalf) {
     snapshot.proxy.translation = Vec3f(0, 0, 5);
     GlotticViewer viewer(patient, make_laryngoscope(Blade::miller_1));
     // The contour is symmetric about x = 0 and no sample lies on the axis.
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f, 0.01f);
     snapshot.frames[0].centre = {0.01f, 0, 0};
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
     snapshot.frames[0].centre = {-0.01f, 0, 0};
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
-    // Within the tolerance before the glottis the screen is part of the rim.
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    // Within the tolerance in front of the glottis the screen is part of the rim.
     snapshot.frames[0].centre = {0.01f, 0, -0.0996f};
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
     snapshot.frames[0].centre = {0.01f, 0, -0.0994f};
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
 }
 
-/// An upper lip that hangs over the line of sight 0.2 m before the glottis: 40 mm broad, 30 mm long.
+/// An upper lip that hangs over the line of sight 0.2 m before the glottis: 40 mm wide, 30 mm long.
 anatomy::Patient with_a_lip() {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
@@ -274,7 +273,7 @@ anatomy::Patient with_a_lip() {
     return patient;
 }
 
-TEST(GlotticView, LipsBeforeTheGumAreHeldAside) {
+TEST(GlotticView, LipsInFrontOfGumDoNotOcclude) {
     const anatomy::Patient patient = with_a_lip();
     scene::Snapshot snapshot = Model(8).snapshot;
     snapshot.frames = {FramePose{}};
@@ -286,16 +285,16 @@ TEST(GlotticView, LipsBeforeTheGumAreHeldAside) {
     set(Landmark::lower_lip, {0, -0.012f, 0.2f});
     GlotticViewer viewer(patient, make_laryngoscope(Blade::miller_1));
     set(Landmark::upper_gum, {0, 0.006f, 0.21f});  // the lip lies between gum and glottis
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
     set(Landmark::upper_gum, {0, 0.006f, 0.19f});  // between eye and gum
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
-    // What is no lip hides there, too: the laryngoscope's handle before the mouth.
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    // Other objects occlude there, too: the laryngoscope's handle in front of the mouth.
     snapshot.proxy = {Quatf::Identity(), {0, -0.05f, 0.25f}};
-    EXPECT_LT(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f);
+    EXPECT_LT(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f);
 }
 
-TEST(GlotticView, AnEyeMovedByTenMillimetresSeesOtherwise) {
-    // Half of the mouth is covered, 0.1 m before the glottis: an eye at 0.3 m that goes 10 mm aside sees
+TEST(GlotticView, MovedEyeSeesDifferentOpening) {
+    // Half of the mouth is covered, 0.1 m before the glottis. An eye at 0.3 m that moves 10 mm sideways sees
     // 10 mm * 0.1 / 0.2 = 5 mm more or less of what lies there, more than the whole opening.
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
@@ -308,12 +307,12 @@ TEST(GlotticView, AnEyeMovedByTenMillimetresSeesOtherwise) {
     snapshot.frames = {FramePose{}};
     snapshot.proxy.translation = Vec3f(0, 0, 5);
     GlotticViewer viewer(patient, make_laryngoscope(Blade::miller_1));
-    EXPECT_NEAR(viewer.look(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f, 0.01f);
-    EXPECT_NEAR(viewer.look(snapshot, {0.01f, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
-    EXPECT_NEAR(viewer.look(snapshot, {-0.01f, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0, 0, 0.3f}).opening_percent, 50.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {0.01f, 0, 0.3f}).opening_percent, 100.0f, 0.01f);
+    EXPECT_NEAR(viewer.evaluate(snapshot, {-0.01f, 0, 0.3f}).opening_percent, 0.0f, 0.01f);
 }
 
-TEST(GlotticView, TheTubeHidesAsBroadAsItIs) {
+TEST(GlotticView, TubeOccludesItsWidth) {
     anatomy::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Model model(8);
@@ -324,21 +323,21 @@ TEST(GlotticView, TheTubeHidesAsBroadAsItIs) {
     GlotticViewer::Settings settings;
     settings.tube_radius = 0.0f;
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
-    EXPECT_NEAR(GlotticViewer(patient, scope, settings).look(snapshot, {0, 0, 0.3f}).opening_percent, 100.0f,
-                0.01f);
+    EXPECT_NEAR(GlotticViewer(patient, scope, settings).evaluate(snapshot, {0, 0, 0.3f}).opening_percent,
+                100.0f, 0.01f);
     settings.tube_radius = 1e-3f;
     // Seen from 0.3 m the tube at 0.1 m covers |x| < 1.5 mm of the ellipse of half-width 2 mm: by area
     // (2 / pi) (asin u + u sqrt(1 - u^2)) with u = 0.75; one column of samples is within 5 %.
     const float u = 0.75f;
     const float covered = 2 / pi * (std::asin(u) + u * std::sqrt(1 - u * u));
-    EXPECT_NEAR(GlotticViewer(patient, scope, settings).look(snapshot, {0, 0, 0.3f}).opening_percent,
+    EXPECT_NEAR(GlotticViewer(patient, scope, settings).evaluate(snapshot, {0, 0, 0.3f}).opening_percent,
                 100 * (1 - covered), 5.0f);
 }
 
-// Reference: the bevel's closed form. Seen across axis and left, a tube of radius r is a strip that ends at
-// the tip at its right and two radii before it at its left.
-TEST(SightLines, ATubesEndHidesUpToItsBevel) {
-    constexpr float radius = 2e-3f, far = 1.0f;  // [m]; lines are parallel but for 8 mm a metre
+// Reference: the bevel's closed form. Seen perpendicular to axis and left, a tube of radius r is a strip that
+// ends at the tip on its right and two radii before it on its left.
+TEST(SightLines, TubeEndOccludesUpToItsBevel) {
+    constexpr float radius = 2e-3f, far = 1.0f;  // [m]; lines are parallel except for 8 mm a metre
     const Vec3f eye(0, 0, far), along = Vec3f::UnitX(), left = Vec3f::UnitY();
     Random random(3);
     std::vector<Vec3f> targets;
@@ -347,14 +346,13 @@ TEST(SightLines, ATubesEndHidesUpToItsBevel) {
                              radius * (4.0f * random.uniform() - 2.0f), -1.1f * radius);
     }
     SightLines lines(eye, targets, 1e-6f);
-    lines.block_by_cut_cylinder(lines.seen_from_eye(-3.0f * radius * along),
-                                lines.seen_from_eye(Vec3f::Zero()), radius, lines.turned(along + left),
-                                -radius);
+    lines.block_by_cut_cylinder(lines.to_eye_frame(-3.0f * radius * along), lines.to_eye_frame(Vec3f::Zero()),
+                                radius, lines.direction_in_eye_frame(along + left), -radius);
     int hidden = 0;
     for (std::size_t i = 0; i < targets.size(); ++i) {
         const float x = targets[i].x() / radius, y = targets[i].y() / radius;
         const float inside = std::min({x + 3.0f, 1.0f - std::fabs(y), -1.0f - x - y});
-        if (std::fabs(inside) > 0.02f) {  // lines meet by less than that
+        if (std::fabs(inside) > 0.02f) {  // lines converge by less than that
             EXPECT_EQ(lines.blocked(i), inside > 0.0f) << x << ' ' << y;
         }
         hidden += lines.blocked(i) ? 1 : 0;
@@ -374,7 +372,7 @@ TEST(GlotticView, AgreesWithBruteForceOnDeformedSurfaces) {
         model.deform(random);
         model.snapshot.proxy.translation.x() = 0.01f * (random.uniform() - 0.5f);
         const Vec3f eye(0.008f * random.normal(), 0.006f + 0.006f * random.normal(), 0.24f);
-        const GlotticView view = viewer.look(model.snapshot, eye);
+        const GlotticView view = viewer.evaluate(model.snapshot, eye);
         const std::vector<Vec3f> samples =
             sample_polygon(model.snapshot.glottis_contour, GlotticViewer::Settings{}.samples);
         const auto seen = std::ranges::count_if(
@@ -389,21 +387,21 @@ TEST(GlotticView, AgreesWithBruteForceOnDeformedSurfaces) {
     EXPECT_GT(highest, 60.0f);
 }
 
-TEST(GlotticView, EpiglottisIsSeenFromAboveAndNotThroughTheTongue) {
+TEST(GlotticView, EpiglottisIsNotSeenThroughTongue) {
     Model model(24);
     GlotticViewer viewer(model.patient, make_laryngoscope(Blade::miller_1));
     model.snapshot.proxy.translation = Vec3f(0, 0, 5);
     const Vec3f above(0, 0.004f, 0.22f);
-    const GlotticView open = viewer.look(model.snapshot, above);
+    const GlotticView open = viewer.evaluate(model.snapshot, above);
     EXPECT_GT(open.opening_percent, 0.0f);
     EXPECT_FALSE(open.epiglottis_seen) << "grades 1 and 2 do not ask for it";
     for (Vec3f& point : model.snapshot.glottis_contour) {
         point.y() -= 0.1f;  // behind everything
     }
-    const GlotticView hidden = viewer.look(model.snapshot, above);
+    const GlotticView hidden = viewer.evaluate(model.snapshot, above);
     EXPECT_EQ(hidden.opening_percent, 0.0f);
     EXPECT_TRUE(hidden.epiglottis_seen);
-    EXPECT_FALSE(viewer.look(model.snapshot, {0, -0.3f, 0.06f}).epiglottis_seen);
+    EXPECT_FALSE(viewer.evaluate(model.snapshot, {0, -0.3f, 0.06f}).epiglottis_seen);
 }
 
 }  // namespace

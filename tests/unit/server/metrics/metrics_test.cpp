@@ -30,28 +30,29 @@ TEST(Metrics, AttemptLastsFromBladeInToBladeOut) {
     run.play(2.4, to_and_fro);
     ASSERT_EQ(run.metrics.attempts().size(), 2u);
     const AttemptSummary& first = run.metrics.attempts()[0];
-    // In at +2 mm, 22 mm on the way; out at -2 mm, 42 mm on the way back. Each is seen up to a step late.
+    // In at +2 mm, 22 mm along the way in; out at -2 mm, 42 mm along the way back. Each is detected up to a
+    // step late.
     const double in = 0.022 / 0.05;
     const double out = 1.2 + 0.042 / 0.05;
     EXPECT_NEAR(first.began, in, step);
     EXPECT_NEAR(first.ended, out, step);
-    EXPECT_NEAR(first.parameters.time_s, out - in, step);
-    EXPECT_EQ(run.metrics.run().parameters.attempts, 2);
-    EXPECT_NEAR(run.metrics.run().parameters.time_s, 2 * (out - in), 2 * step);
+    EXPECT_NEAR(first.metrics.time_s, out - in, step);
+    EXPECT_EQ(run.metrics.run().metrics.attempts, 2);
+    EXPECT_NEAR(run.metrics.run().metrics.time_s, 2 * (out - in), 2 * step);
 
-    // Depth: straight from the gum at the origin to a tip at (0, y, -10 mm). Largest at y = 30 mm; the mean
+    // Depth: straight from the gum at the origin to a tip at (0, y, -10 mm). Maximum at y = 30 mm; the mean
     // by the closed form of the integral of sqrt(y^2 + a^2).
     const double a = 0.01;
     const auto primitive = [a](double y) { return 0.5 * (y * std::hypot(y, a) + a * a * std::asinh(y / a)); };
     const double path = (0.03 + 0.008) + (0.03 + 0.012);  // y from -8 to 30 mm, and back to -12 mm
     const double mean = (2 * primitive(0.03) - primitive(-0.008) - primitive(-0.012)) / path;
-    EXPECT_NEAR(first.parameters.blade_depth_max_cm, 100 * std::hypot(0.03, a), 0.03);  // a step is 0.28 mm
-    EXPECT_NEAR(first.parameters.blade_depth_mean_cm, 100 * mean, 0.03);
+    EXPECT_NEAR(first.metrics.blade_depth_max_cm, 100 * std::hypot(0.03, a), 0.03);  // a step is 0.28 mm
+    EXPECT_NEAR(first.metrics.blade_depth_mean_cm, 100 * mean, 0.03);
     // The path is sampled at 30 Hz; the turn and the two ends lose at most an interval of 1.7 mm each.
-    EXPECT_NEAR(first.parameters.blade_path_length_cm, 100 * path, 3 * 0.17);
+    EXPECT_NEAR(first.metrics.blade_path_length_cm, 100 * path, 3 * 0.17);
 }
 
-TEST(Metrics, ATouchIsNoAttempt) {
+TEST(Metrics, BriefTouchIsNoAttempt) {
     Session run;
     const auto outside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.02f); };
     const auto inside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.01f); };
@@ -62,7 +63,7 @@ TEST(Metrics, ATouchIsNoAttempt) {
     EXPECT_FALSE(run.metrics.live().attempt_running);
     EXPECT_EQ(run.metrics.live().attempt, 0u);
     EXPECT_EQ(run.metrics.attempts().size(), 0u);
-    EXPECT_EQ(run.metrics.run().parameters.attempts, 0.0);
+    EXPECT_EQ(run.metrics.run().metrics.attempts, 0.0);
     EXPECT_EQ(run.metrics.events().back().text,
               "attempt 1 does not count: the blade was in the mouth for 0.03 s");
     run.play(0.6, inside);
@@ -71,7 +72,7 @@ TEST(Metrics, ATouchIsNoAttempt) {
     EXPECT_EQ(run.metrics.attempts()[0].number, 1u);
 }
 
-TEST(Metrics, HeldViewAndForcesOverTime) {
+TEST(Metrics, ViewHoldTimeAndForceImpulses) {
     Session run;
     run.play(4.0, [&](double t, scene::Snapshot& s, GlotticView& v) {
         place_blade(s, run.scope, 0.03f);
@@ -82,47 +83,47 @@ TEST(Metrics, HeldViewAndForcesOverTime) {
         s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 1.5f, Tissue::tongue});
         s.shell_contacts.push_back({Vec3f::Zero(), Vec3f::UnitZ(), 0.5f, Tissue::epiglottis});
     });
-    const Parameters p = run.metrics.live_parameters();
+    const AttemptMetrics p = run.metrics.current_metrics();
     EXPECT_NEAR(p.view_held_s, 2.0, 2.0 * step);
     EXPECT_NEAR(p.gum_impulse_n_s, 16.0, 16.0 * 2.0 * step / 4.0 + 1e-6);  // integral of 2 t over 4 s
     EXPECT_NEAR(p.tongue_impulse_n_s, 6.0, 1.5 * step + 1e-6);
     EXPECT_NEAR(p.epiglottis_impulse_n_s, 2.0, 0.5 * step + 1e-6);
 }
 
-TEST(Metrics, TheHandsSpeedIsToldFromTheTips) {
+TEST(Metrics, HandSpeedDiffersFromTipSpeed) {
     Session run;
     const test::Path path = test::tracheal_path();
     run.play(3.0, [&](double t, scene::Snapshot& s, GlotticView&) {
         place_blade(s, run.scope, 0.03f);
-        // The tip springs by 20 mm within a tenth of a second, while the hand goes on at 10 mm/s.
+        // The tip jumps by 20 mm within a tenth of a second, while the hand continues at 10 mm/s.
         const double tip = 0.17 + 0.01 * t + (t > 1.0 ? std::min(0.02, 0.2 * (t - 1.0)) : 0.0);
         s.tube_nodes = test::tube_on(path, static_cast<float>(tip));
         s.tube_grip.translation = Vec3f(0, 0, static_cast<float>(0.01 * t));
     });
-    const Parameters p = run.metrics.live_parameters();
+    const AttemptMetrics p = run.metrics.current_metrics();
     EXPECT_NEAR(p.tube_speed_max_cm_per_s, 21.0, 0.5);
     EXPECT_NEAR(p.tube_grip_speed_max_cm_per_s, 1.0, 0.01);
     EXPECT_NEAR(p.tube_grip_speed_mean_cm_per_s, 1.0, 0.01);
 }
 
-TEST(Metrics, VitalSignsFallWhileTheBladeIsInAndComeBackAfter) {
+TEST(Metrics, VitalSignsFallDuringAttemptAndRecover) {
     Session run;
     run.metrics.begin(run.patient, run.scope, 30.0, physiology(3.0, 39.0, 0.21));
     const auto outside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); };
     const auto inside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); };
     run.play(5.0, outside);
-    const double rest = run.metrics.live_parameters().oxygen_saturation_end_percent;
+    const double rest = run.metrics.current_metrics().oxygen_saturation_end_percent;
     EXPECT_GT(rest, 97.0);
-    EXPECT_TRUE(std::isnan(run.metrics.live_parameters().oxygen_saturation_min_percent)) << "no attempt yet";
+    EXPECT_TRUE(std::isnan(run.metrics.current_metrics().oxygen_saturation_min_percent)) << "no attempt yet";
     run.play(40.0, inside);
-    const Parameters low = run.metrics.live_parameters();
+    const AttemptMetrics low = run.metrics.current_metrics();
     EXPECT_LT(low.oxygen_saturation_end_percent, 80.0);
     EXPECT_NEAR(low.oxygen_saturation_min_percent, low.oxygen_saturation_end_percent, 1e-9)
         << "it still falls";
-    EXPECT_LT(low.heart_rate_end_per_min, run.metrics.live_parameters().heart_rate_min_per_min + 1e-9);
+    EXPECT_LT(low.heart_rate_end_per_min, run.metrics.current_metrics().heart_rate_min_per_min + 1e-9);
     run.play(60.0, outside);
     ASSERT_EQ(run.metrics.attempts().size(), 1u);
-    const Parameters of_run = run.metrics.run().parameters;
+    const AttemptMetrics of_run = run.metrics.run().metrics;
     EXPECT_NEAR(of_run.oxygen_saturation_end_percent, rest, 0.5);
     EXPECT_NEAR(of_run.oxygen_saturation_min_percent, low.oxygen_saturation_min_percent, 0.5);
     const auto said = [&](std::string_view text) {
@@ -132,14 +133,14 @@ TEST(Metrics, VitalSignsFallWhileTheBladeIsInAndComeBackAfter) {
     EXPECT_EQ(said("the oxygen saturation is above 80 % again"), 1);
 }
 
-TEST(Metrics, WithoutAPhysiologyThereAreNoVitalSigns) {
+TEST(Metrics, NoVitalSignsWithoutPhysiology) {
     Session run;
     run.play(2.0, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); });
-    EXPECT_TRUE(std::isnan(run.metrics.live_parameters().oxygen_saturation_end_percent));
-    EXPECT_TRUE(std::isnan(run.metrics.live_parameters().heart_rate_min_per_min));
+    EXPECT_TRUE(std::isnan(run.metrics.current_metrics().oxygen_saturation_end_percent));
+    EXPECT_TRUE(std::isnan(run.metrics.current_metrics().heart_rate_min_per_min));
 }
 
-TEST(Metrics, ForcesFollowTissueAndTime) {
+TEST(Metrics, ForcesAreAggregatedPerTissue) {
     Session run;
     run.play(0.5, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); });
     run.play(6.0, [&](double t, scene::Snapshot& s, GlotticView&) {
@@ -166,7 +167,7 @@ TEST(Metrics, ForcesFollowTissueAndTime) {
         }
     });
     run.metrics.finish();
-    const Parameters& p = run.metrics.attempts()[0].parameters;
+    const AttemptMetrics& p = run.metrics.attempts()[0].metrics;
     EXPECT_NEAR(p.gum_force_max_n, 3.5, 1e-6);
     EXPECT_NEAR(p.gum_force_mean_n, 3.5 / 3, 3.5 * step / 6);
     EXPECT_NEAR(p.epiglottis_force_max_n, 3.0, 1e-6);
@@ -188,12 +189,12 @@ TEST(Metrics, PeaksAreCountedInTheSkullFrame) {
         s.proxy.translation = tip - s.proxy.rotation * run.scope.tip();
     });
     run.metrics.finish();
-    const Parameters& p = run.metrics.attempts()[0].parameters;
+    const AttemptMetrics& p = run.metrics.attempts()[0].metrics;
     EXPECT_EQ(p.pitch_peaks, 5);
     EXPECT_EQ(p.yaw_peaks, 2);
 }
 
-TEST(Metrics, RockingTellsAShakenBladeFromASteadyOne) {
+TEST(Metrics, RockingDistinguishesShakenFromSteadyBlade) {
     const auto rocking_of = [](double amplitude_deg) {
         Session run;
         run.play(12.0, [&](double t, scene::Snapshot& s, GlotticView&) {
@@ -202,29 +203,29 @@ TEST(Metrics, RockingTellsAShakenBladeFromASteadyOne) {
             place_blade(s, run.scope, 0.03f, static_cast<float>(swing + shake) * degree);
         });
         run.metrics.finish();
-        return run.metrics.attempts()[0].parameters.pitch_rocking_deg;
+        return run.metrics.attempts()[0].metrics.pitch_rocking_deg;
     };
     EXPECT_LT(rocking_of(0.0), 0.1);
-    // At 3.1 Hz the shake lies in the finest band and is removed whole; bins of 0.1 s pass sinc(0.31) = 0.85
-    // of it. The residual's largest value may exceed the amplitude where wavelets overlap.
+    // At 3.1 Hz the shake lies in the finest band and is removed completely; bins of 0.1 s pass sinc(0.31) =
+    // 0.85 of it. The residual's maximum may exceed the amplitude where wavelets overlap.
     EXPECT_GT(rocking_of(3.0), 0.85 * 3.0 * 0.8);
     EXPECT_LT(rocking_of(3.0), 3.0 * 1.6);
 }
 
-TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
+TEST(Metrics, ViewIsAveragedFromFirstSightToTubeArrival) {
     Session run;
     const test::Path path = test::tracheal_path();
     const float glottis = path.length_to(2);
-    run.snapshot.live.head_elevation = 5 * degree;
+    run.snapshot.runtime_parameters.head_elevation = 5 * degree;
     run.play(10.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
         place_blade(s, run.scope, 0.03f);
         view.opening_percent = t < 2 ? 0.0f : t < 5 ? 20.0f : 80.0f;
-        s.live.head_elevation = (t < 5 ? 5.0f : t < 8 ? 12.0f : 17.0f) * degree;
+        s.runtime_parameters.head_elevation = (t < 5 ? 5.0f : t < 8 ? 12.0f : 17.0f) * degree;
         // 10 mm/s; 6 mm before the glottis at t = 7 s, 2 mm past it at 7.8 s.
         s.tube_nodes = test::tube_on(path, glottis - 0.006f + 0.01f * static_cast<float>(t - 7));
     });
     run.metrics.finish();
-    const Parameters& p = run.metrics.attempts()[0].parameters;
+    const AttemptMetrics& p = run.metrics.attempts()[0].metrics;
     EXPECT_NEAR(p.glottic_opening_max_percent, 80.0, 1e-6);
     EXPECT_NEAR(p.glottic_opening_mean_percent, (3 * 20 + 2 * 80) / 5.0, 80 * 3 * step / 5);
     EXPECT_NEAR(p.time_to_first_view_s, 2.0, 2 * step);  // the blade is in from the first step on
@@ -232,34 +233,33 @@ TEST(Metrics, ViewCountsFromFirstSightUntilTheTubeArrives) {
     EXPECT_EQ(p.cormack_lehane_grade, 1);
 }
 
-// The same ways of the tools in a newborn and in a manikin: what follows from them is the same to the bit,
-// and nothing else exists. The paper's eight are counted by their names, as two of them are a maximum and a
-// mean.
-TEST(Metrics, OnAManikinWhatFollowsFromTheToolsAlone) {
-    const auto play = [](Patient of) {
+// The same tool motions in a newborn and in a manikin: metrics derived from them are equal to the bit, and no
+// others exist. The paper's eight are counted by their names, as two of them are a maximum and a mean.
+TEST(Metrics, ManikinReportsOnlyToolMetrics) {
+    const auto play = [](PatientKind of) {
         auto run = std::make_unique<Session>();
         run->metrics.begin(run->patient, run->scope, 30.0, std::nullopt, of);
         const test::Path path = test::tracheal_path();
         run->play(2.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
             place_blade(s, run->scope, static_cast<float>(0.03 - 0.01 * t));
-            view.opening_percent = of == Patient::newborn ? 60.0f : 0.0f;
+            view.opening_percent = of == PatientKind::newborn ? 60.0f : 0.0f;
             s.tube_nodes = test::tube_on(path, path.length_to(2) + static_cast<float>(0.01 * t));
         });
         run->metrics.finish();
         return run;
     };
-    const auto newborn = play(Patient::newborn), manikin = play(Patient::manikin);
+    const auto newborn = play(PatientKind::newborn), manikin = play(PatientKind::manikin);
     ASSERT_EQ(manikin->metrics.attempts().size(), 1u);
-    const Parameters in_newborn = newborn->metrics.run().parameters;
+    const AttemptMetrics in_newborn = newborn->metrics.run().metrics;
     std::set<std::string_view> of_paper;
-    for (const Parameters& p : {manikin->metrics.run().parameters, manikin->metrics.attempts()[0].parameters,
-                                manikin->metrics.live_parameters()}) {
-        for (const ParameterField& field : parameter_fields) {
+    for (const AttemptMetrics& p : {manikin->metrics.run().metrics, manikin->metrics.attempts()[0].metrics,
+                                    manikin->metrics.current_metrics()}) {
+        for (const MetricField& field : metric_fields) {
             const double value = p.*field.value;
-            if (!follows_from_tools(field)) {
+            if (!depends_only_on_tool_poses(field)) {
                 EXPECT_TRUE(std::isnan(value)) << field.key;
             } else {
-                // The tube's speeds exist in neither: this tube is not moved by a grip.
+                // The tube's speeds exist in neither: no grip moves this tube.
                 const double usual = in_newborn.*field.value;
                 EXPECT_TRUE(value == usual || (std::isnan(value) && std::isnan(usual)))
                     << field.key << ": " << value << " and " << usual;
@@ -273,11 +273,11 @@ TEST(Metrics, OnAManikinWhatFollowsFromTheToolsAlone) {
     EXPECT_TRUE(newborn->metrics.run().outcome.known);
     EXPECT_FALSE(manikin->metrics.run().outcome.known);
     EXPECT_FALSE(manikin->metrics.attempts()[0].outcome.known);
-    for (const Session* run : {newborn.get(), manikin.get()}) {  // how a client tells them apart
+    for (const Session* run : {newborn.get(), manikin.get()}) {  // how a client distinguishes them
         const metrics::Metrics& m = run->metrics;
-        EXPECT_EQ(airway_measured(m.run().parameters), m.run().outcome.known);
-        EXPECT_EQ(airway_measured(m.attempts()[0].parameters), m.attempts()[0].outcome.known);
-        EXPECT_EQ(airway_measured(m.live_parameters()), m.run().outcome.known);
+        EXPECT_EQ(airway_measured(m.run().metrics), m.run().outcome.known);
+        EXPECT_EQ(airway_measured(m.attempts()[0].metrics), m.attempts()[0].outcome.known);
+        EXPECT_EQ(airway_measured(m.current_metrics()), m.run().outcome.known);
     }
     for (const Event& event : manikin->metrics.events()) {
         EXPECT_EQ(event.text.find("the tube"), std::string::npos) << event.text;
@@ -309,8 +309,8 @@ TEST(Metrics, SuccessfulIntubation) {
     EXPECT_EQ(run.metrics.live().tube_place, TubePlace::trachea);
     EXPECT_EQ(attempt.outcome.reason, "the tube's tip lies 21 mm past the glottis, 29 mm above the carina");
     EXPECT_EQ(run.metrics.run().outcome.reason, attempt.outcome.reason);
-    const Parameters& p = attempt.parameters;
-    // Mean over the way inside the mouth and the rest after it; the path's corners shorten a chord.
+    const AttemptMetrics& p = attempt.metrics;
+    // Mean over the path inside the mouth and the rest after it; the path's corners shorten a chord.
     const double inside = (static_cast<double>(to - from) - 0.012) / speed;
     const double resting = attempt.ended - 1.0 - travel;
     EXPECT_NEAR(p.tube_speed_max_cm_per_s, 2.0, 0.01);
@@ -320,12 +320,12 @@ TEST(Metrics, SuccessfulIntubation) {
     EXPECT_EQ(p.oesophageal_entries, 0);
     EXPECT_EQ(p.main_stem_entries, 0);
     EXPECT_EQ(p.over_time_limit, 0);
-    for (const ParameterField& field : parameter_fields) {
-        EXPECT_FALSE(std::isnan(run.metrics.run().parameters.*field.value)) << field.key;
+    for (const MetricField& field : metric_fields) {
+        EXPECT_FALSE(std::isnan(run.metrics.run().metrics.*field.value)) << field.key;
     }
 }
 
-TEST(Metrics, OesophagealIntubationIsSaidSo) {
+TEST(Metrics, OesophagealIntubationIsReported) {
     Session run;
     const test::Path path = test::oesophageal_path();
     const float inlet = path.length_to(2);
@@ -340,8 +340,8 @@ TEST(Metrics, OesophagealIntubationIsSaidSo) {
     // 30 mm and the slack of 2 mm at 20 mm/s.
     EXPECT_EQ(run_summary.outcome.reason, "the tube went into the oesophagus at 1.6 s");
     EXPECT_EQ(run.metrics.live().tube_place, TubePlace::oesophagus);
-    EXPECT_EQ(run_summary.parameters.oesophageal_entries, 1);
-    EXPECT_EQ(run_summary.parameters.cormack_lehane_grade, 2);
+    EXPECT_EQ(run_summary.metrics.oesophageal_entries, 1);
+    EXPECT_EQ(run_summary.metrics.cormack_lehane_grade, 2);
 }
 
 TEST(Metrics, FailuresNameTheirCause) {
@@ -380,33 +380,33 @@ TEST(Metrics, FailuresNameTheirCause) {
 
 TEST(Metrics, RunCombinesAttempts) {
     RunPart a, b;
-    a.parameters.gum_force_max_n = 4;
-    a.parameters.gum_force_mean_n = 1;
-    a.parameters.time_s = 10;
-    a.parameters.pitch_peaks = 3;
-    a.parameters.attempts = 1;
-    a.parameters.cormack_lehane_grade = 3;
-    a.parameters.glottic_opening_max_percent = 90;
-    a.parameters.head_elevation_deg = 4;
-    a.parameters.tube_speed_max_cm_per_s = std::nan("");
-    a.parameters.tube_speed_mean_cm_per_s = std::nan("");
+    a.metrics.gum_force_max_n = 4;
+    a.metrics.gum_force_mean_n = 1;
+    a.metrics.time_s = 10;
+    a.metrics.pitch_peaks = 3;
+    a.metrics.attempts = 1;
+    a.metrics.cormack_lehane_grade = 3;
+    a.metrics.glottic_opening_max_percent = 90;
+    a.metrics.head_elevation_deg = 4;
+    a.metrics.tube_speed_max_cm_per_s = std::nan("");
+    a.metrics.tube_speed_mean_cm_per_s = std::nan("");
     a.weights = {10, 0, 0};
     b = a;
-    b.parameters.gum_force_max_n = 2;
-    b.parameters.gum_force_mean_n = 2;
-    b.parameters.time_s = 30;
-    b.parameters.pitch_peaks = 1;
-    b.parameters.cormack_lehane_grade = 2;
-    b.parameters.glottic_opening_max_percent = 50;
-    b.parameters.head_elevation_deg = 9;
-    b.parameters.tube_speed_max_cm_per_s = 5;
-    b.parameters.tube_speed_mean_cm_per_s = 3;
-    a.parameters.time_to_first_view_s = std::nan("");
-    b.parameters.time_to_first_view_s = 7;
+    b.metrics.gum_force_max_n = 2;
+    b.metrics.gum_force_mean_n = 2;
+    b.metrics.time_s = 30;
+    b.metrics.pitch_peaks = 1;
+    b.metrics.cormack_lehane_grade = 2;
+    b.metrics.glottic_opening_max_percent = 50;
+    b.metrics.head_elevation_deg = 9;
+    b.metrics.tube_speed_max_cm_per_s = 5;
+    b.metrics.tube_speed_mean_cm_per_s = 3;
+    a.metrics.time_to_first_view_s = std::nan("");
+    b.metrics.time_to_first_view_s = 7;
     b.weights = {30, 4, 6};
     b.passed_glottis = true;
     const std::array<RunPart, 2> parts = {a, b};
-    const Parameters run = combine(parts);
+    const AttemptMetrics run = combine(parts);
     EXPECT_EQ(run.gum_force_max_n, 4);
     EXPECT_NEAR(run.gum_force_mean_n, (1.0 * 10 + 2.0 * 30) / 40, 1e-12);
     EXPECT_EQ(run.time_s, 40);
@@ -422,10 +422,10 @@ TEST(Metrics, RunCombinesAttempts) {
 TEST(Metrics, OldSnapshotsAreIgnored) {
     Session run;
     run.play(2.0, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); });
-    const double time = run.metrics.live_parameters().time_s;
+    const double time = run.metrics.current_metrics().time_s;
     run.snapshot.time_ns -= 1'000'000'000;
     run.metrics.observe(run.snapshot, run.view);
-    EXPECT_EQ(run.metrics.live_parameters().time_s, time);
+    EXPECT_EQ(run.metrics.current_metrics().time_s, time);
 }
 
 }  // namespace

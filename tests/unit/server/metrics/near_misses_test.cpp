@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 
-// Every detection of docs/metrics.md, just short of its threshold and just past it: the thresholds are
-// written out here as they stand in the document.
+// Every detection of docs/metrics.md, just short of its threshold and just past it; the thresholds are
+// repeated here as documented.
 
 #include <gtest/gtest.h>
 
@@ -19,11 +19,11 @@ using test::Session;
 using test::step;
 
 constexpr float mm = 1e-3f;
-constexpr float hair = 0.1f * mm;  // a hundred times what float positions leave
+constexpr float hair = 0.1f * mm;  // a hundred times the rounding of float positions
 
-/// The blade goes straight in to `depth` past the opening, `aside` of its axis, and comes out after
+/// The blade moves straight in to `depth` past the opening, `aside` from its axis, and leaves after
 /// `seconds`.
-Parameters blade_that_went(float depth, float aside = 0.0f, double seconds = 2.0) {
+AttemptMetrics blade_that_went(float depth, float aside = 0.0f, double seconds = 2.0) {
     Session run;
     const auto outside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.02f); };
     run.play(0.5, outside);
@@ -33,43 +33,43 @@ Parameters blade_that_went(float depth, float aside = 0.0f, double seconds = 2.0
     });
     run.play(0.5, outside);
     run.metrics.finish();
-    return run.metrics.run().parameters;
+    return run.metrics.run().metrics;
 }
 
-TEST(NearMisses, ABladeAtTheLips) {
+TEST(NearMisses, AttemptNeedsBladePastLips) {
     EXPECT_EQ(blade_that_went(2 * mm - hair).attempts, 0);
     EXPECT_EQ(blade_that_went(2 * mm + hair).attempts, 1);
 }
 
-TEST(NearMisses, ABladeThatPassesTheFace) {
+TEST(NearMisses, BladeBesideFaceIsNoAttempt) {
     EXPECT_EQ(blade_that_went(20 * mm, 30 * mm + hair).attempts, 0);
     EXPECT_EQ(blade_that_went(20 * mm, 30 * mm - hair).attempts, 1);
 }
 
-TEST(NearMisses, ABladeThatOnlyTouches) {
+TEST(NearMisses, AttemptNeedsHalfSecondInMouth) {
     EXPECT_EQ(blade_that_went(20 * mm, 0.0f, 0.5 - step).attempts, 0);
     EXPECT_EQ(blade_that_went(20 * mm, 0.0f, 0.5 + step).attempts, 1);
 }
 
-TEST(NearMisses, ABladeThatOnlyStartsToLeave) {
+TEST(NearMisses, AttemptEndsPastExitThreshold) {
     const auto attempts_with_dip = [](float to) {
         Session run;
         for (const float depth : {-20 * mm, 20 * mm, to, 20 * mm, -20 * mm}) {
             run.play(1.0,
                      [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, depth); });
         }
-        return run.metrics.run().parameters.attempts;
+        return run.metrics.run().metrics.attempts;
     };
     EXPECT_EQ(attempts_with_dip(-2 * mm + hair), 1);
     EXPECT_EQ(attempts_with_dip(-2 * mm - hair), 2);
 }
 
-TEST(NearMisses, AnAttemptAtTheLimitOfTime) {
+TEST(NearMisses, TimeLimitIsThirtySeconds) {
     EXPECT_EQ(blade_that_went(20 * mm, 0.0f, 30.0 - step).over_time_limit, 0);
     EXPECT_EQ(blade_that_went(20 * mm, 0.0f, 30.0 + step).over_time_limit, 1);
 }
 
-TEST(NearMisses, ASwingOfNearlyFiveDegrees) {
+TEST(NearMisses, PeakNeedsFiveDegrees) {
     const auto swung = [](float pitch_deg, float yaw_deg) {
         Session run;
         run.play(2.0, [&](double t, scene::Snapshot& s, GlotticView&) {
@@ -77,7 +77,7 @@ TEST(NearMisses, ASwingOfNearlyFiveDegrees) {
             place_blade(s, run.scope, 20 * mm, (50.0f + share * pitch_deg) * degree,
                         share * yaw_deg * degree);
         });
-        return run.metrics.live_parameters();
+        return run.metrics.current_metrics();
     };
     EXPECT_EQ(swung(4.99f, 4.99f).pitch_peaks, 0);
     EXPECT_EQ(swung(4.99f, 4.99f).yaw_peaks, 0);
@@ -85,14 +85,14 @@ TEST(NearMisses, ASwingOfNearlyFiveDegrees) {
     EXPECT_EQ(swung(0.0f, 5.01f).yaw_peaks, 2);
 }
 
-TEST(NearMisses, AViewOfNearlyHalf) {
+TEST(NearMisses, FullViewNeedsHalfOpening) {
     const auto with_view = [](float percent) {
         Session run;
         run.play(2.0, [&](double, scene::Snapshot& s, GlotticView& view) {
             place_blade(s, run.scope, 20 * mm);
             view.opening_percent = percent;
         });
-        return run.metrics.live_parameters();
+        return run.metrics.current_metrics();
     };
     EXPECT_EQ(with_view(49.9f).view_held_s, 0.0);
     EXPECT_EQ(with_view(49.9f).cormack_lehane_grade, 2);
@@ -102,7 +102,7 @@ TEST(NearMisses, AViewOfNearlyHalf) {
     EXPECT_EQ(with_view(0.0f).cormack_lehane_grade, 4);
 }
 
-/// The blade is in, and the tube's tip comes to `end` along a straight line from 20 mm above it.
+/// The blade is in, and the tube's tip moves to `end` along a straight line from 20 mm above it.
 Session tube_that_went_to(const Vec3f& end) {
     Session run;
     run.play(2.0, [&](double t, scene::Snapshot& s, GlotticView& view) {
@@ -114,16 +114,16 @@ Session tube_that_went_to(const Vec3f& end) {
     return run;
 }
 
-Parameters of_tube(const Vec3f& end) {
-    return tube_that_went_to(end).metrics.live_parameters();
+AttemptMetrics of_tube(const Vec3f& end) {
+    return tube_that_went_to(end).metrics.current_metrics();
 }
 
-// The plain airway: the glottis at (0, 35, -60) mm, its plane level; the carina 50 mm below; the oesophagus
+// The simple airway: the glottis at (0, 35, -60) mm, its plane level; the carina 50 mm below; the oesophagus
 // 12 mm behind, its inlet 5 mm lower.
 constexpr float glottis_y = 35 * mm, glottis_z = -60 * mm, carina_z = -110 * mm;
 constexpr float inlet_y = 47 * mm, inlet_z = -65 * mm;
 
-TEST(NearMisses, ATubeAtTheCords) {
+TEST(NearMisses, TrachealEntryThresholds) {
     const auto place = [](float past, float aside) {
         return tube_that_went_to({aside, glottis_y, glottis_z - past}).metrics.live().tube_place;
     };
@@ -133,7 +133,7 @@ TEST(NearMisses, ATubeAtTheCords) {
     EXPECT_EQ(place(10 * mm, 6 * mm - hair), TubePlace::trachea);
 }
 
-TEST(NearMisses, ATubeAtTheInlet) {
+TEST(NearMisses, OesophagealEntryThresholds) {
     EXPECT_EQ(of_tube({0, inlet_y, inlet_z - 2 * mm + hair}).oesophageal_entries, 0);
     EXPECT_EQ(of_tube({0, inlet_y, inlet_z - 2 * mm - hair}).oesophageal_entries, 1);
     EXPECT_EQ(of_tube({8 * mm + hair, inlet_y, inlet_z - 10 * mm}).oesophageal_entries, 0);
@@ -143,7 +143,7 @@ TEST(NearMisses, ATubeAtTheInlet) {
     EXPECT_EQ(of_tube({0, inlet_y - 6 * mm + hair, inlet_z - 10 * mm}).oesophageal_entries, 1);
 }
 
-/// Down the trachea to `past` the carina.
+/// Down the trachea to `past` beyond the carina.
 Session tube_down_to(float past) {
     Session run;
     run.play(4.0, [&](double t, scene::Snapshot& s, GlotticView&) {
@@ -156,16 +156,16 @@ Session tube_down_to(float past) {
     return run;
 }
 
-TEST(NearMisses, ATubeAtTheCarina) {
-    EXPECT_EQ(tube_down_to(1 * mm - hair).metrics.run().parameters.main_stem_entries, 0);
-    EXPECT_EQ(tube_down_to(1 * mm + hair).metrics.run().parameters.main_stem_entries, 1);
-    // Nor does one that goes on past both lines' ends enter anything else.
-    const Parameters far = tube_down_to(40 * mm).metrics.run().parameters;
+TEST(NearMisses, MainStemEntryThreshold) {
+    EXPECT_EQ(tube_down_to(1 * mm - hair).metrics.run().metrics.main_stem_entries, 0);
+    EXPECT_EQ(tube_down_to(1 * mm + hair).metrics.run().metrics.main_stem_entries, 1);
+    // A tube that continues past both lines' ends enters nothing else either.
+    const AttemptMetrics far = tube_down_to(40 * mm).metrics.run().metrics;
     EXPECT_EQ(far.main_stem_entries, 1);
     EXPECT_EQ(far.oesophageal_entries, 0);
 }
 
-TEST(NearMisses, ATubeThatIsNearlyDeepEnough) {
+TEST(NearMisses, SuccessNeedsMinimumTubeDepth) {
     EXPECT_FALSE(tube_down_to(-40 * mm - hair).metrics.run().outcome.success);
     EXPECT_TRUE(tube_down_to(-40 * mm + hair).metrics.run().outcome.success);
 }

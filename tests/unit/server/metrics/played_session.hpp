@@ -12,7 +12,7 @@ namespace eti::metrics::test {
 
 inline constexpr double step = 1.0 / 180.0;
 
-/// Poses a blade whose tip lies `depth` [m] behind the mouth opening's plane, on its axis.
+/// Poses a blade whose tip lies `depth` [m] behind the plane of the mouth opening, on its axis.
 inline void place_blade(scene::Snapshot& snapshot, const Laryngoscope& scope, float depth, float pitch = 0.0f,
                         float yaw = 0.0f) {
     const Vec3f direction(std::sin(yaw), std::cos(yaw) * std::cos(pitch), -std::cos(yaw) * std::sin(pitch));
@@ -29,7 +29,8 @@ class Session {
         metrics.begin(patient, scope, 30.0);
     }
 
-    /// Plays `seconds` of a motion; `pose` fills the snapshot and the view for a time since the play began.
+    /// Plays `seconds` of a motion; `pose` fills the snapshot and the view for a time since the start of the
+    /// motion.
     void play(double seconds, const std::function<void(double, scene::Snapshot&, GlotticView&)>& pose) {
         const int steps = static_cast<int>(std::lround(seconds / step));
         for (int i = 0; i < steps; ++i, ++number) {

@@ -21,8 +21,8 @@ int count(std::span<const double> curve, double prominence) {
     return counter.count();
 }
 
-// The definition itself: from each strict local maximum walk to higher ground on either side; the
-// higher of the two lowest points on the way is its base.
+// The definition itself: from each strict local maximum search for higher ground on either side; the higher
+// of the two minima in between is its base.
 int count_by_definition(const std::vector<double>& x, double prominence) {
     int found = 0;
     for (std::size_t i = 1; i + 1 < x.size(); ++i) {
@@ -42,7 +42,7 @@ int count_by_definition(const std::vector<double>& x, double prominence) {
     return found;
 }
 
-TEST(PeakCounter, CountsThePeriodsOfASine) {
+TEST(PeakCounter, CountsPeriodsOfSine) {
     for (const int periods : {1, 4, 9}) {
         std::vector<double> curve;
         for (int i = 0; i <= 2000; ++i) {  // from trough to trough
@@ -78,10 +78,9 @@ TEST(PeakCounter, RampsAndBordersAreNoPeaks) {
     EXPECT_EQ(count(fall, 5.0), 0);
 }
 
-// v = 30 A / T (s^2 - 2 s^3 + s^4): greatest speed 1.875 A / T, integral of the squared jerk 720 A^2 / T^5,
-// so that the dimensionless jerk is 720 / 1.875^2 = 204.8 whatever its size and duration (Flash & Hogan
-// 1985).
-TEST(LogDimensionlessJerk, OfAMinimumJerkMovement) {
+// v = 30 A / T (s^2 - 2 s^3 + s^4): maximum speed 1.875 A / T, integral of the squared jerk 720 A^2 / T^5.
+// Thus the dimensionless jerk is 720 / 1.875^2 = 204.8 for any size and duration (Flash & Hogan 1985).
+TEST(LogDimensionlessJerk, MatchesMinimumJerkClosedForm) {
     for (const double duration : {1.0, 2.0, 5.0}) {
         for (const double way : {0.01, 0.1}) {
             std::vector<double> speed;
@@ -96,7 +95,7 @@ TEST(LogDimensionlessJerk, OfAMinimumJerkMovement) {
     }
 }
 
-TEST(LogDimensionlessJerk, SubmovementsAndTremorCountAsLessSmooth) {
+TEST(LogDimensionlessJerk, SubmovementsAndTremorLowerSmoothness) {
     std::vector<double> one, two, shaky;
     for (int i = 0; i <= 180; ++i) {
         const double t = i / 30.0;
@@ -111,8 +110,8 @@ TEST(LogDimensionlessJerk, SubmovementsAndTremorCountAsLessSmooth) {
     EXPECT_TRUE(std::isnan(log_dimensionless_jerk(std::vector<double>{1.0}, 30.0)));
 }
 
-// Movements of 4 to 20 s, cut off anywhere: a sample more or less hardly matters.
-TEST(LogDimensionlessJerk, ASampleMoreHardlyMatters) {
+// Movements of 4 to 20 s, cut off anywhere: one sample more or less hardly matters.
+TEST(LogDimensionlessJerk, IsInsensitiveToOneSample) {
     std::mt19937 random(7);
     const auto between = [&](double low, double high) {
         return std::uniform_real_distribution<double>(low, high)(random);
@@ -135,7 +134,7 @@ TEST(LogDimensionlessJerk, ASampleMoreHardlyMatters) {
 
 TEST(BinnedSeries, AveragesOverBinsAndBridgesGaps) {
     BinnedSeries series(10.0, 100);
-    for (int i = 0; i < 40; ++i) {  // two samples a bin
+    for (int i = 0; i < 40; ++i) {  // two samples per bin
         series.add(0.05 * i, i);
     }
     ASSERT_EQ(series.values().size(), 19u);  // the last one is still being filled
@@ -146,7 +145,7 @@ TEST(BinnedSeries, AveragesOverBinsAndBridgesGaps) {
     EXPECT_NEAR(series.values()[21], 38.5 + 0.4 * (60.0 - 38.5), 1e-9);
 }
 
-TEST(BinnedSeries, StaysBoundedAndKeepsALine) {
+TEST(BinnedSeries, StaysBoundedAndPreservesLine) {
     BinnedSeries series(30.0, 256);
     for (int i = 0; i < 180 * 600; ++i) {
         series.add(i / 180.0, i / 180.0);
@@ -160,7 +159,7 @@ TEST(BinnedSeries, StaysBoundedAndKeepsALine) {
     }
 }
 
-TEST(Rocking, MeasuresWhatTheDenoisedCurveLacks) {
+TEST(Rocking, MeasuresDenoisingResidual) {
     Random random(2);
     std::vector<double> smooth, shaky;
     for (int i = 0; i < 600; ++i) {
@@ -169,8 +168,8 @@ TEST(Rocking, MeasuresWhatTheDenoisedCurveLacks) {
         shaky.push_back(smooth.back() + 0.5 * static_cast<double>(random.normal()));
     }
     EXPECT_LT(rocking(smooth), 0.05);
-    // The noise is nearly all removed: the residual's largest value is close to the largest of 600
-    // normal deviates, 0.5 sqrt(2 ln 600) = 1.8, within the usual scatter of extremes of a fifth.
+    // The noise is nearly all removed: the residual's maximum is close to the largest of 600 normal deviates,
+    // 0.5 sqrt(2 ln 600) = 1.8, within the usual scatter of extremes of a fifth.
     EXPECT_NEAR(rocking(shaky), 0.5 * std::sqrt(2 * std::log(600.0)), 0.4);
 }
 

@@ -35,7 +35,7 @@ TEST(Wavelet, ReconstructsEveryLengthExactly) {
         const std::vector<double> back = inverse_transform(wavelet_transform(signal, 3));
         ASSERT_EQ(back.size(), length);
         for (std::size_t i = 0; i < length; ++i) {
-            // The published coefficients are good to about 1e-12; three levels add a few of these.
+            // The published coefficients are accurate to about 1e-12; three levels add a few of these.
             ASSERT_NEAR(back[i], signal[i], 1e-10) << "length " << length;
         }
     }
@@ -58,7 +58,7 @@ TEST(Wavelet, CubicHasNoDetails) {
     EXPECT_GT(std::abs(high[16]), 1e-7);
 }
 
-TEST(Wavelet, PreservesEnergyOfWhatTheBordersDoNotTouch) {
+TEST(Wavelet, PreservesInteriorEnergy) {
     std::vector<double> signal(128, 0.0);
     const std::vector<double> middle = noise(64, 5);
     std::copy(middle.begin(), middle.end(), signal.begin() + 32);
@@ -75,8 +75,8 @@ TEST(Wavelet, PreservesEnergyOfWhatTheBordersDoNotTouch) {
     EXPECT_NEAR(after, before, 1e-9 * before);
 }
 
-// Mean square error of soft thresholding one coefficient of true value m under unit normal noise at
-// threshold l (Donoho & Johnstone 1994, appendix): a closed form.
+// Mean square error of soft thresholding one coefficient of true value m under unit normal noise at threshold
+// l (Donoho & Johnstone 1994, appendix): a closed form.
 double soft_threshold_risk(double l, double m) {
     const auto density = [](double x) { return std::exp(-0.5 * x * x) / std::sqrt(2 * std::numbers::pi); };
     const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
@@ -84,7 +84,7 @@ double soft_threshold_risk(double l, double m) {
            (l + m) * density(l - m);
 }
 
-TEST(Wavelet, DenoisingErrorIsTheOnePredicted) {
+TEST(Wavelet, DenoisingErrorMatchesTheory) {
     constexpr std::size_t n = 1024;
     constexpr double sigma = 0.3;
     std::vector<double> clean(n);
@@ -95,8 +95,8 @@ TEST(Wavelet, DenoisingErrorIsTheOnePredicted) {
     }
     const double threshold = std::sqrt(2 * std::log(static_cast<double>(n)));
     const WaveletTransform coefficients = wavelet_transform(clean, useful_levels(n));
-    // The mirrored borders give a level of n / 2^j independent coefficients some seven more, which say again
-    // what others say; each level therefore counts with its independent share.
+    // The mirrored borders add some seven redundant coefficients to a level's n / 2^j independent ones; each
+    // level therefore counts with its independent share.
     std::size_t independent = n;
     double expected = 0.0;
     for (const auto& level : coefficients.details) {
@@ -117,13 +117,13 @@ TEST(Wavelet, DenoisingErrorIsTheOnePredicted) {
         mean += mean_square(denoised(noisy), clean) / 40;
     }
     // Some 20 coefficients carry the error; the share of each level is an average over them, and the noise
-    // level is read from the data: a scatter of 1 / sqrt(20) or so.
+    // level is estimated from the data: a scatter of about 1 / sqrt(20).
     EXPECT_NEAR(mean, expected, 0.2 * expected);
     EXPECT_LT(mean, 0.5 * sigma * sigma);
 }
 
-// The universal threshold exceeds the largest of n independent normal values with a probability that
-// tends to one: of white noise hardly anything but the coarsest average is left.
+// The universal threshold exceeds the largest of n independent normal values with a probability that tends to
+// one: of white noise hardly anything but the coarsest average remains.
 TEST(Wavelet, DenoisingRemovesWhiteNoise) {
     constexpr std::size_t n = 1024;
     double left = 0.0;
@@ -137,7 +137,7 @@ TEST(Wavelet, DenoisingRemovesWhiteNoise) {
     EXPECT_LT(left, 2.0 * (n / 128.0 + 7.0) / n);
 }
 
-TEST(Wavelet, ShortOrConstantSignalsComeBackUnchanged) {
+TEST(Wavelet, ShortOrConstantSignalsAreUnchanged) {
     EXPECT_TRUE(denoised({}).empty());
     const std::vector<double> few = {1, 5, 2};
     EXPECT_EQ(denoised(few), few);

@@ -16,7 +16,7 @@
 namespace eti::parallel {
 namespace {
 
-TEST(WorkerStart, IsCalledOnceInEachThreadThatHelps) {
+TEST(WorkerStart, IsCalledOncePerWorkerThread) {
     std::mutex mutex;
     std::vector<std::thread::id> started, helped;
     const std::thread::id caller = std::this_thread::get_id();
@@ -26,7 +26,7 @@ TEST(WorkerStart, IsCalledOnceInEachThreadThatHelps) {
             started.push_back(std::this_thread::get_id());
         });
         for (int round = 0; round < 3; ++round) {
-            // Each half waits for the other, so that there have to be two threads.
+            // Each half waits for the other, so that two threads are required.
             std::atomic<int> there = 0;
             for_each(2, 1, [&](int) {
                 ++there;

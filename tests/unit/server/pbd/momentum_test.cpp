@@ -16,7 +16,7 @@ constexpr float momentum_dt = 1.0f / 1440.0f;
 constexpr int momentum_substeps = 100'000;
 constexpr double turning = 10.0;  // [rad/s]
 
-/// The centre of mass to the origin.
+/// Moves the centre of mass to the origin.
 void centre_rest(Particles& p) {
     p.position = p.rest;
     const Vec3f centre = test::centre_of_mass(p).cast<float>();
@@ -26,7 +26,7 @@ void centre_rest(Particles& p) {
     p.position = p.predicted = p.rest;
 }
 
-/// Turning about z, and shaken so that neither momentum changes by it.
+/// Rotating about z, and perturbed so that both momenta stay the same.
 void set_going(Particles& p) {
     Random random(7);
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -40,10 +40,10 @@ void set_going(Particles& p) {
     }
 }
 
-/// What the scheme leaves of the turning of a rigid body: a point at radius r is predicted along the tangent
-/// and drawn back, which turns it by tan(t1) = w dt; the new velocity is the chord over dt. The next
-/// prediction, by the chord again, then turns it by tan(t') = sin t / (2 - cos t). To first order w' = w (1 -
-/// (w dt)^2).
+/// What the scheme keeps of a rigid body's rotation: a point at radius r is predicted along the tangent and
+/// projected back, which rotates it by tan(t1) = w dt; the new velocity is the chord over dt. The next
+/// prediction, by the chord again, then rotates it by tan(t') = sin t / (2 - cos t). To first order w' = w (1
+/// - (w dt)^2).
 double turning_left(double rate, int count) {
     double angle = std::atan(rate * double{momentum_dt});
     for (int n = 1; n < count; ++n) {
@@ -52,8 +52,8 @@ double turning_left(double rate, int count) {
     return std::sin(angle) / double{momentum_dt};
 }
 
-/// Runs on, and tells what part of its angular momentum is left. The body is taken back to the origin now and
-/// then, by a shift that changes no velocity, so that its coordinates keep their digits.
+/// Simulates and returns the remaining share of the angular momentum. From time to time the body is shifted
+/// back to the origin, without changing velocities, so that its coordinates keep their precision.
 template <class Body, class Substep>
 double turning_after(Body& body, const Substep& substep) {
     Particles& p = body.particles;
@@ -73,9 +73,9 @@ double turning_after(Body& body, const Substep& substep) {
             }
         }
     }
-    // Coordinates up to 8 mm are rounded by 2.3e-10 m, at most twice in a substep, and at worst always the
-    // same way: what that displaces acts as 5e-4 m/s^2 each time. (Measured: clusters 3e-4 m/s^2, their
-    // roundings being common to a cluster; tetrahedra 1e-6 m/s^2.)
+    // Coordinates up to 8 mm are rounded by 2.3e-10 m, at most twice per substep, and at worst always in the
+    // same direction: that acts as 5e-4 m/s^2 each time. (Measured: clusters 3e-4 m/s^2, because roundings
+    // are common to a cluster; tetrahedra 1e-6 m/s^2.)
     const double most = 2.0 * 2.33e-10 / (double{momentum_dt} * double{momentum_dt});
     EXPECT_LT((test::linear_momentum(p) - linear).norm(),
               mass * most * momentum_substeps * double{momentum_dt});
@@ -83,25 +83,25 @@ double turning_after(Body& body, const Substep& substep) {
     return test::angular_momentum(p).dot(angular) / angular.squaredNorm();
 }
 
-TEST(Momentum, OfAnIsolatedBodyOfClusters) {
+TEST(Momentum, ClusterAngularMomentumFollowsScheme) {
     SoftBody body = test::cluster_block(5, 8e3f);
     centre_rest(body.particles);
     body.set_rest();
     body.reset();
-    // A cluster's rotation is found to a microradian; goals that are off by that in every substep, and always
-    // the same way, would turn the body up at 1e-6 / dt^2 = 2 rad/s^2. Measured: a three hundredth, 0.07 of
-    // 10 rad/s in the 69 s; a tenth is allowed.
+    // A cluster's rotation is accurate to a microradian; goals with that error in every substep, always in
+    // the same direction, would accelerate the body by 1e-6 / dt^2 = 2 rad/s^2. Measured: a three hundredth,
+    // 0.07 of 10 rad/s in the 69 s; a tenth is allowed.
     EXPECT_NEAR(turning_after(body, [&] { test::substep(body, momentum_dt); }),
                 turning_left(turning, momentum_substeps) / turning, 0.1);
 }
 
-TEST(Momentum, OfAnIsolatedBodyOfTetrahedra) {
+TEST(Momentum, TetrahedraAngularMomentumFollowsScheme) {
     test::TetrahedralBody body(test::tetrahedral_lattice(3, 3, 3, 2e-3), 8e3f, 0.45f);
     centre_rest(body.particles);
     body.tetrahedra.set_rest(body.particles);
-    // What a rounding displaces by 2.3e-10 m at 3 mm from the axis turns by 8e-8 rad; 64 particles and 1e5
-    // substeps at random add up to 8e-8 sqrt(1e5 / 64) / dt = 5e-3 rad/s of 10 (measured: 2e-2, or 0.002 of
-    // it; the rest is the body's elasticity); 0.01 is allowed.
+    // A rounding of 2.3e-10 m at 3 mm from the axis rotates by 8e-8 rad. 64 particles and 1e5 substeps at
+    // random add up to 8e-8 sqrt(1e5 / 64) / dt = 5e-3 rad/s of 10 (measured: 2e-2, or 0.002 of it; the rest
+    // is the body's elasticity); 0.01 is allowed.
     EXPECT_NEAR(turning_after(body, [&] { body.substep(momentum_dt); }),
                 turning_left(turning, momentum_substeps) / turning, 0.01);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-// A state that is saved, restored and stepped on goes the same way to the bit: there is no hidden state.
+// A state that is saved, restored and advanced continues bit-identically: there is no hidden state.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -10,7 +10,7 @@
 #include "tests/support/rod_fixture.hpp"
 #include "tests/support/tetrahedral_body.hpp"
 #include "tests/support/threads.hpp"
-#include "tests/unit/server/pbd/fluid_fixture.hpp"
+#include "tests/unit/server/pbd/fluid/fluid_fixture.hpp"
 
 namespace eti::pbd {
 namespace {
@@ -30,8 +30,8 @@ std::vector<std::byte> bits(const Particles& p) {
     return bytes;
 }
 
-/// Runs `body` on, saves it, runs it on, and does that from the copy: on as many threads as given. Returns
-/// the final state.
+/// Runs `body`, saves it, runs it further, and repeats that from the copy, on the given number of threads.
+/// Returns the final state.
 template <class Body, class Advance, class State>
 std::vector<std::byte> run_from(Body body, const Advance& advance, const State& state, std::size_t threads) {
     return eti::test::with_threads(threads, [&] {
@@ -83,7 +83,7 @@ TEST(Restore, ClustersAndLinks) {
     expect_same_for_all_threads(body);
 }
 
-TEST(Restore, TetrahedraGrownIntoClusters) {
+TEST(Restore, TetrahedraCoupledToClusters) {
     const eti::test::TetrahedralLattice lattice =
         eti::test::tetrahedral_lattice(10, 10, 5, double{eti::test::cluster_spacing});
     std::vector<bool> early(11 * 11 * 11, false);
@@ -95,7 +95,7 @@ TEST(Restore, TetrahedraGrownIntoClusters) {
     expect_same_for_all_threads(body);
 }
 
-TEST(Restore, TetrahedraAtEitherInstructionSet) {
+TEST(Restore, TetrahedraForAnyInstructionSet) {
     for (const bool avx2 : {true, false}) {
         eti::test::TetrahedralBody body(eti::test::tetrahedral_lattice(12, 10, 8, 2e-3), 8e3f, 0.45f);
         if (!avx2) {
@@ -132,7 +132,7 @@ TEST(Restore, Rod) {
         });
 }
 
-TEST(Restore, FluidWithItsGlands) {
+TEST(Restore, FluidWithEmitters) {
     Fluid fluid(FluidSettings{}, 9);
     fluid_fixture::fill(fluid, 10, 10, 8);
     FluidEmitter gland;

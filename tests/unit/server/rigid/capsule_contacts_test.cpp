@@ -29,7 +29,7 @@ float distance_to_box(const Vec3f& p, float half) {
     return (p.cwiseAbs().array() - half).max(0.0f).matrix().norm();
 }
 
-// The distance to a convex body is convex along a line, so that ternary search finds its minimum.
+// The distance to a convex body is convex along a line, so a ternary search finds its minimum.
 float segment_to_box(const Vec3f& a, const Vec3f& b, float half) {
     float low = 0.0f;
     float high = 1.0f;
@@ -61,8 +61,8 @@ TEST(CapsuleContacts, NearestContactMatchesTheConvexBodyDistance) {
             nearest = std::min(nearest, contact.distance + 0.1f);
         }
         // Both sides are float closest-point formulas on coordinates of size 2: a few tens of ulps (1.2e-7
-        // each) grow by the conditioning of near-parallel segments, bounded by 1e-6 in closest_on_segments;
-        // its root is 1e-3, times the tilt that the threshold still allows (1e-3), over unit lengths.
+        // each) grow by the conditioning of near-parallel segments, bounded by 1e-6 in closest_on_segments.
+        // Its root is 1e-3, times the tilt that the threshold still allows (1e-3), over unit lengths.
         EXPECT_NEAR(nearest, expected, 2e-5f) << a.transpose() << " / " << b.transpose();
     }
     EXPECT_GT(tested, 1000);
@@ -112,7 +112,7 @@ TEST(CapsuleContacts, TopologyPairsEveryEdgeOfAClosedMesh) {
     }
     std::size_t incidences = 0;
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-        incidences += topology.around(v).size();
+        incidences += topology.incident_triangles(v).size();
     }
     EXPECT_EQ(incidences, 3 * mesh.triangles.size());
 }

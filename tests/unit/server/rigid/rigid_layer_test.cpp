@@ -35,8 +35,8 @@ Vec3f sum_of_normal_forces(const ProxyResult& result) {
     return sum;
 }
 
-// Residual of the momentum balance that a reported steady force may carry: whatever speed is left
-// belongs to the effective mass m + h c + h^2 k of the implicit coupling over one substep h.
+// Residual of the momentum balance of a reported steady force: the remaining speed belongs to the effective
+// mass m + h c + h^2 k of the implicit coupling over one substep h.
 float steady_tolerance(const Settings& settings, const ProxyResult& result) {
     const float h = dt / static_cast<float>(result.substeps);
     const float mass = settings.mass + h * settings.damping + h * h * settings.stiffness;
@@ -55,7 +55,7 @@ TEST(RigidLayer, PressedProxyCarriesTheSpringForce) {
     }
     const ProxyResult& result = layer.result();
     const float extension = result.pose.translation.y() - device.translation.y();
-    // The rod lies flat: the spring's pull at one end is held there, the far end stays off or at rest.
+    // The rod lies flat: the contact balances the spring's pull at one end; the far end stays off or at rest.
     EXPECT_NEAR(extension, 5 * millimetre, 0.01f * millimetre);
     EXPECT_NEAR(result.force.y(), settings.stiffness * extension, steady_tolerance(settings, result));
     EXPECT_LT(steady_tolerance(settings, result), 0.05f) << "the tolerance must mean something at 10 N";
@@ -70,8 +70,8 @@ TEST(RigidLayer, PressedProxyCarriesTheSpringForce) {
     }
 }
 
-TEST(RigidLayer, AWayInManySmallStepsTouchesWhatAnyPlaceOnItTouches) {
-    // Triangles found once serve while the tool goes on; a layer of its own at each place finds its own.
+TEST(RigidLayer, CachedTrianglesMatchFreshQuery) {
+    // Cached triangles are reused while the tool moves on; a fresh layer at each pose finds its own.
     const TriangleMesh shell = box_mesh(Vec3f::Constant(-0.03f), Vec3f::Constant(0.03f), 6);
     const std::vector<Tissue> tissue = tissue_of(shell);
     RigidLayer goes(rod_scope(), shell, tissue, Settings{});
@@ -112,8 +112,8 @@ TEST(RigidLayer, TippedBladeBalancesForceAndTorque) {
         settings.rotational_stiffness * rotation_vector(device.rotation * result.pose.rotation.conjugate());
     EXPECT_GT(result.force.y(), 1.0f);
     EXPECT_LT((result.force + spring).norm(), steady_tolerance(settings, result) + 1e-3f);
-    // The lever of 0.1 m turns the force's tolerance into the torque's; the rotation is read back from
-    // a float quaternion, 20 N m/rad times a few epsilon.
+    // The lever arm of 0.1 m turns the force's tolerance into the torque's; the rotation is read back from a
+    // float quaternion, 20 N m/rad times a few epsilon.
     EXPECT_LT((result.torque + spring_torque).norm(), 0.1f * steady_tolerance(settings, result) + 2e-4f);
     Vec3f torque = Vec3f::Zero();
     for (const Contact& contact : result.contacts) {
@@ -122,10 +122,10 @@ TEST(RigidLayer, TippedBladeBalancesForceAndTorque) {
     EXPECT_LT((torque - result.torque).norm(), 1e-3f * result.torque.norm());
 }
 
-// The blade lies between two gums, as in a mouth, and the hand turns it: each gum bears the hand's torque
-// over the way between them, however little the sum of all contacts is. So 130 N on a gum may go with 34 N in
-// all.
-TEST(RigidLayer, ABladeBetweenTwoGumsIsALever) {
+// The blade lies between two gums, as in a mouth, and the hand turns it: each gum carries the hand's torque
+// over the distance between them, however small the sum of all contacts is. So 130 N on a gum may occur with
+// 34 N in total.
+TEST(RigidLayer, BladeBetweenGumsActsAsLever) {
     constexpr float near = 0.056f, far = 0.084f;  // [m], along the blade, to the ridge of each gum
     constexpr float half_width = 0.1e-3f;         // [m], of the ridges
     TriangleMesh shell = box_mesh({-0.02f, -blade_radius - 0.01f, near - half_width},
@@ -164,7 +164,7 @@ TEST(RigidLayer, ABladeBetweenTwoGumsIsALever) {
     for (const Contact& contact : result.contacts) {
         (contact.tissue == Tissue::upper_gum ? on_upper : on_lower) += contact.force;
     }
-    // What is left of the speed, which the longest arm turns into force on a gum; and both ridges' width.
+    // The remaining speed, which the longest arm turns into force on a gum; and both ridges' width.
     const float tolerance = steady_tolerance(settings, result) * rod_scope().blade_length / (far - near) +
                             2.0f * half_width / (far - near) * upper_bears;
     EXPECT_LT(tolerance, 0.02f * upper_bears);
@@ -174,7 +174,7 @@ TEST(RigidLayer, ABladeBetweenTwoGumsIsALever) {
     EXPECT_NEAR(on_upper - on_lower, result.force.y(), 0.01f) << "each contact is counted once";
 }
 
-TEST(RigidLayer, SlidesAlongAPlaneWithoutCatchingOnInnerEdges) {
+TEST(RigidLayer, SlidesWithoutCatchingOnInternalEdges) {
     const TriangleMesh shell = floor_mesh(0.4f, 60);
     const Settings settings;
     RigidLayer layer(rod_scope(), shell, tissue_of(shell), settings);
@@ -191,11 +191,11 @@ TEST(RigidLayer, SlidesAlongAPlaneWithoutCatchingOnInnerEdges) {
         lowest = std::min(lowest, result.pose.translation.y());
         highest = std::max(highest, result.pose.translation.y());
         if (i > 100) {
-            // Sliding friction opposes the motion with the Coulomb coefficient. The two friction
-            // directions follow the velocity of each contact point, so the pyramid is exact here
-            // but for the slow turning about the handle.
+            // Sliding friction opposes the motion with the Coulomb coefficient. The two friction directions
+            // follow the velocity of each contact point, so the pyramid is exact here except for the slow
+            // rotation about the handle.
             EXPECT_NEAR(-result.force.x() / result.force.y(), settings.friction, 0.05f * settings.friction);
-            // The spring holds the friction: lag = mu N / k, turned a little by the torque.
+            // The spring balances the friction: lag = mu N / k, rotated a little by the torque.
             EXPECT_NEAR(x - result.pose.translation.x(),
                         settings.friction * result.force.y() / settings.stiffness, 0.05f * millimetre);
         }
@@ -203,7 +203,7 @@ TEST(RigidLayer, SlidesAlongAPlaneWithoutCatchingOnInnerEdges) {
     EXPECT_LT(highest - lowest, 0.01f * millimetre);
 }
 
-TEST(RigidLayer, CornerHoldsBothWays) {
+TEST(RigidLayer, CornerStopsBothDirections) {
     TriangleMesh shell = floor_mesh(0.3f, 20);
     test::append_rectangle(shell, {0.03f, 0, -0.15f}, {0, 0, 0.3f}, {0, 0.2f, 0}, 20, 20);
     shell = test::welded(shell);
@@ -237,8 +237,8 @@ TEST(RigidLayer, FreeProxyFollowsWithoutLag) {
         lag = (device.translation - layer.result().pose.translation).norm();
     }
     RecordProperty("lag_um_at_0.2_m_per_s", std::to_string(lag * 1e6f));
-    // The damper acts on the velocity relative to the device's, so that a steady motion has no lag;
-    // what is left is position round-off, 0.4 m times epsilon, over a time constant of some substeps.
+    // The damper acts on the velocity relative to the device's, so that a steady motion has no lag; what
+    // remains is position round-off, 0.4 m times epsilon, over a time constant of some substeps.
     EXPECT_LT(lag, 2e-6f);
     EXPECT_NEAR(layer.result().velocity.x(), 0.2f, 1e-3f);
 }
@@ -268,7 +268,7 @@ TEST_P(Tunnelling, ThinWallStopsEveryApproach) {
             ASSERT_LT(result.penetration, 0.2f * blade_radius);
             ASSERT_EQ(result.rolled_back, 0) << "contacts must act before the last resort does";
         }
-        // Back above the wall the proxy meets the device again.
+        // Back above the wall the proxy coincides with the device again.
         for (int i = 0; i < 360; ++i) {
             layer.step({turn, start}, dt);
         }
@@ -309,7 +309,7 @@ TEST(RigidLayer, JumpsAndHalfTurnsStayBoundedAndRecover) {
             const ProxyResult& result = layer.step(device, dt);
             ASSERT_TRUE(result.pose.translation.allFinite());
             ASSERT_LT(result.velocity.norm(), settings.force_limit / settings.damping * 1.2f);
-            // The shell bears at most the spring and what stopping the proxy within a step takes.
+            // The shell carries at most the spring and the impulse that stops the proxy within a step.
             ASSERT_LT(result.force.norm(), 3.0f * settings.force_limit);
         }
     }
@@ -425,7 +425,7 @@ TEST(RigidLayer, ProxyInsideTheShellComesFree) {
         << "and is held from outside";
 }
 
-TEST(RigidLayer, RaysMeetTheBoxWhereGeometrySays) {
+TEST(RigidLayer, RayHitsMatchBoxGeometry) {
     const TriangleMesh shell = box_mesh({-0.05f, -0.04f, -0.03f}, {0.05f, 0.04f, 0.03f}, 9);
     std::vector<Tissue> tissue = tissue_of(shell);
     for (std::size_t i = 0; i < shell.triangles.size(); ++i) {

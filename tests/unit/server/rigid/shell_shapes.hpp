@@ -9,14 +9,14 @@
 
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/tissue.hpp"
-#include "common/model/tools.hpp"
+#include "common/model/tools/tools.hpp"
 
 namespace eti::rigid::test {
 
 inline constexpr float blade_radius = 4e-3f;
 
-/// A laryngoscope whose blade is one straight rod of 4 mm radius along z, so that contact with a
-/// plane has a closed form; the handle stands off the blade.
+/// A laryngoscope whose blade is one straight rod of 4 mm radius along z, so that contact with a plane has a
+/// closed form; the handle stands off the blade.
 inline Laryngoscope rod_scope() {
     Laryngoscope scope;
     scope.blade_length = 0.1f;
@@ -45,7 +45,7 @@ inline void append_rectangle(TriangleMesh& mesh, const Vec3f& origin, const Vec3
     }
 }
 
-/// Merges vertices that coincide, so that the topology is known across rectangles.
+/// Merges coincident vertices, so that the topology is known across rectangles.
 inline TriangleMesh welded(const TriangleMesh& mesh) {
     TriangleMesh out;
     std::map<std::array<long, 3>, std::uint32_t> index;

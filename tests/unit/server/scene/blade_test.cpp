@@ -13,7 +13,7 @@ namespace {
 constexpr int blade_substeps = 8;
 constexpr float blade_dt = step_duration / blade_substeps;
 
-/// Free particles that nothing but the blade acts on.
+/// Free particles with no force except the blade's.
 pbd::Particles cloud(std::size_t count) {
     pbd::Particles p;
     p.resize(count);
@@ -34,8 +34,8 @@ struct Wrench {
     Vec3d torque = Vec3d::Zero();
 };
 
-/// What the particles' change of motion in a step says that the blade felt: minus momentum gained over time,
-/// and its moment about the tool's origin. `reported` is what the blade says.
+/// Force on the blade from the particles' change of momentum in a step: minus momentum gained over time, and
+/// its moment about the tool's origin. `reported` is the blade's own value.
 Wrench felt(pbd::Particles& p, BladeContact& contact, const RigidTransform& from, const RigidTransform& to,
             Snapshot& reported) {
     Wrench sum;
@@ -66,7 +66,7 @@ Wrench felt(pbd::Particles& p, BladeContact& contact, const RigidTransform& from
 // Newton's third law, from the particles' momenta. A velocity is a difference of positions of 0.1 m, rounded
 // by 4e-9 m, over dt: 5e-6 m/s at random of 2000 particles of 15 mg each in 8 substeps, 1e-8 kg m/s or 2e-6
 // N.
-TEST(BladeContact, WrenchIsMinusTheMomentumThatParticlesGain) {
+TEST(BladeContact, WrenchBalancesParticleMomentum) {
     std::vector<BladeContact::Edge> edges;
     for (std::uint32_t i = 0; i < 400; i += 2) {
         edges.push_back({i, i + 1});
@@ -100,9 +100,9 @@ TEST(BladeContact, WrenchIsMinusTheMomentumThatParticlesGain) {
     EXPECT_GT(loaded, 10);
 }
 
-// A column of particles shot at a blade at rest: all their momentum across it is taken, m v over the step, at
-// the lever of where they meet it.
-TEST(BladeContact, StopsAVolleyWithItsMomentum) {
+// A column of particles shot at a blade at rest: all their normal momentum is transferred, m v over the step,
+// at the lever arm of the contact point.
+TEST(BladeContact, StoppedVolleyDeliversItsMomentum) {
     BladeContact contact(make_laryngoscope(Blade::miller_1));
     contact.friction = 0.0f;
     pbd::Particles p;
@@ -125,9 +125,9 @@ TEST(BladeContact, StopsAVolleyWithItsMomentum) {
     EXPECT_NEAR(static_cast<double>(reported.tissue_torque.x()), lever * force, 1e-3 * lever * force);
 }
 
-// Two particles joined, 8 mm apart, with the blade's tip of 3.5 mm radius going through between them: alone
-// they are not in its way; the edge takes them along, and stays a particle's radius off the tip.
-TEST(BladeContact, DoesNotSlipBetweenParticlesThatAnEdgeJoins) {
+// Two joined particles, 8 mm apart, with the blade's tip of 3.5 mm radius passing between them: individually
+// they are not in its path; the edge carries them along, and stays a particle's radius off the tip.
+TEST(BladeContact, TipDoesNotSlipBetweenJoinedParticles) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     for (const bool joined : {false, true}) {
         BladeContact contact(
@@ -156,15 +156,15 @@ TEST(BladeContact, DoesNotSlipBetweenParticlesThatAnEdgeJoins) {
             felt(p, contact, pose, next, reported);
             pose = next;
         }
-        // The blade has gone 10 mm; the edge began 1 mm above where it touches.
+        // The blade has moved 10 mm; the edge started 1 mm above first contact.
         const float lifted = p.position[0].y() - before;
         EXPECT_NEAR(lifted, joined ? 9e-3f : 0.0f, 1e-5f);
         EXPECT_NEAR(p.position[1].y(), p.position[0].y(), 1e-5f);
     }
 }
 
-// At the tip, no hand's speed gets a particle through the blade: the axis sweeps 30 mm in one substep at
-// most.
+// At the tip, no particle passes through the blade at any speed of a hand: the axis sweeps 30 mm in one
+// substep at most.
 TEST(BladeContact, TipDoesNotPassAParticleAtAnyHandSpeed) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     for (const float speed : {0.1f, 0.5f, 1.0f, 3.0f, 10.0f, 30.0f}) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/app/patient_cache.hpp"
+#include "server/app/run/patient_cache.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
 
@@ -14,8 +14,7 @@ namespace {
 constexpr int epiglottis_substeps = 8;
 constexpr float epiglottis_dt = step_duration / epiglottis_substeps;
 
-/// How the tissue of a newborn follows one particle of the epiglottis that is drawn aside (Xiao et al. 2020,
-/// Fig. 5).
+/// Response of a newborn's tissue to dragging one particle of the epiglottis (Xiao et al. 2020, Fig. 5).
 class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
   protected:
     EpiglottisTest()
@@ -32,13 +31,14 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
         }
     }
 
-    /// Displacements [m] of all particles when the dragged one is held `by` off its rest for a second.
+    /// Displacements [m] of all particles when the dragged one is held `by` off its rest position for a
+    /// second.
     std::vector<float> drag(const Vec3f& by) {
         anatomy::Patient held = patient_;
         held.particles.mass[dragged_] = 0.0f;
         SoftTissue tissue(held, GetParam(), epiglottis_dt);
         pbd::SoftBody& body = tissue.body();
-        body.particles.rest[dragged_] += by;  // where what has no mass goes
+        body.particles.rest[dragged_] += by;  // massless particles move by their rest position
         for (int step = 0; step < steps_per_second; ++step) {
             for (int s = 0; s < epiglottis_substeps; ++s) {
                 body.predict(epiglottis_dt, 1.0f / static_cast<float>(epiglottis_substeps - s));
@@ -69,7 +69,7 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
         return sum / count;
     }
 
-    /// The defect of the paper's figure: the plate's cluster also holds what lies within 3 mm of it.
+    /// The defect of the paper's figure: the plate's cluster also holds everything within 3 mm of it.
     void join_neighbours() {
         const anatomy::ParticleSet& set = patient_.particles;
         anatomy::ClusterSet joined = patient_.clusters;
@@ -93,7 +93,7 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
         patient_.clusters = joined;
     }
 
-    /// Links between the plate and what grows out of its edges.
+    /// Links between the plate and the folds at its edges.
     [[nodiscard]] std::vector<std::uint32_t> links_of_folds() const {
         std::vector<std::uint32_t> folds;
         for (std::uint32_t l = 0; l < patient_.links.ends.size(); ++l) {
@@ -111,7 +111,7 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
     std::size_t dragged_ = 0;
 };
 
-TEST_P(EpiglottisTest, DraggedItBendsAndFarTissueStays) {
+TEST_P(EpiglottisTest, DraggedPlateBendsAndDistantTissueStays) {
     const std::vector<float> moved = drag({0.0f, pull, 0.0f});
     ASSERT_NEAR(moved[dragged_], pull, 1e-5f);
     EXPECT_GT(mean_of_plate(moved), 0.3f * pull) << "the plate goes along";
@@ -119,7 +119,7 @@ TEST_P(EpiglottisTest, DraggedItBendsAndFarTissueStays) {
     float far = 0.0f;
     std::size_t far_count = 0;
     for (std::size_t i = 0; i < set.size(); ++i) {
-        // The plate's own length away.
+        // As far away as the plate is long.
         if ((set.rest[i] - set.rest[dragged_]).norm() > 15e-3f && set.mass[i] > 0.0f &&
             set.tissue[i] != Tissue::epiglottis) {
             far = std::max(far, moved[i]);
@@ -130,13 +130,13 @@ TEST_P(EpiglottisTest, DraggedItBendsAndFarTissueStays) {
     EXPECT_LT(far, 0.05f * pull) << "far tissue moves by less than 5 %";
 }
 
-TEST_P(EpiglottisTest, WithTongueInItsClusterItSticks) {
+TEST_P(EpiglottisTest, SharedClusterWithTongueRestrainsPlate) {
     const float free = mean_of_plate(drag({0.0f, pull, 0.0f}));
     join_neighbours();
     EXPECT_LT(mean_of_plate(drag({0.0f, pull, 0.0f})), 0.5f * free);
 }
 
-TEST_P(EpiglottisTest, FoldsGoWithItAndAlikeOnBothSides) {
+TEST_P(EpiglottisTest, FoldsFollowPlateSymmetrically) {
     const std::vector<std::uint32_t> folds = links_of_folds();
     ASSERT_GT(folds.size(), 20u);
     Vec3f sides = Vec3f::Zero();
@@ -148,7 +148,8 @@ TEST_P(EpiglottisTest, FoldsGoWithItAndAlikeOnBothSides) {
     }
     EXPECT_NEAR(sides.x() / static_cast<float>(folds.size()), 0.0f, 1e-6f);
 
-    // Lifted, it draws them along. Where they are cut off, they stay: what is left goes by its root.
+    // Lifted, the plate pulls the folds along. With the links cut, they stay: the rest is transmitted by its
+    // root.
     const auto mean_of_folds = [&] {
         const std::vector<float> moved = drag({0.0f, -pull, 0.0f});
         float sum = 0.0f;

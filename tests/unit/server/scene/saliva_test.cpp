@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "common/math/units.hpp"
-#include "server/app/patient_cache.hpp"
+#include "server/app/run/patient_cache.hpp"
 #include "server/scene/posed_shell.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
@@ -94,8 +94,8 @@ TEST_P(SalivaInPosture, NothingLeaksThroughTheShell) {
     for (int k = 0; k < 12; ++k) {
         mouth.step(15);
         for (const Vec3f& x : mouth.liquid()) {
-            // Particles are kept half a spacing from the wall, in corners 0.4 (FluidWalls); the shell's grid
-            // has cells of a spacing, whose trilinear edges are rounder than the wall: the rest of the half.
+            // Particles stay half a spacing from the wall, in corners 0.4 (FluidWalls); the shell's grid has
+            // cells of a spacing, whose trilinear edges are rounder than the wall: the rest of the half.
             ASSERT_GT(mouth.shell.distance().distance(x), 0.0f) << "step " << 15 * (k + 1);
         }
     }
@@ -105,7 +105,7 @@ TEST_P(SalivaInPosture, NothingLeaksThroughTheShell) {
 
 INSTANTIATE_TEST_SUITE_P(JawOpening, SalivaInPosture, ::testing::Values(0.0f, 13.0f, 26.0f));
 
-TEST(Saliva, LiesOnTheTongueAndNotInIt) {
+TEST(Saliva, LiesOnTongueSurface) {
     Mouth mouth({26.0f * degree, 24.0f * degree});
     mouth.step(90);
     pbd::Particles& tissue = mouth.tissue.body().particles;
@@ -120,7 +120,7 @@ TEST(Saliva, LiesOnTheTongueAndNotInIt) {
         return count;
     };
     EXPECT_GT(on_tongue(), 50);
-    // It is lifted with the tongue: 3 mm at 36 mm/s, as a blade would.
+    // It is lifted with the tongue: 3 mm at 36 mm/s, as by a blade.
     for (int k = 0; k < 15; ++k) {
         for (std::size_t i = 0; i < tissue.size(); ++i) {
             if (static_cast<Tissue>(tissue.object[i]) == Tissue::tongue) {
@@ -133,10 +133,10 @@ TEST(Saliva, LiesOnTheTongueAndNotInIt) {
     EXPECT_GT(on_tongue(), 30);
 }
 
-TEST(Saliva, ItsWallIsComputedOnlyWhereSomethingMoved) {
+TEST(Saliva, WallIsUpdatedOnlyNearMotion) {
     Mouth mouth({26.0f * degree, 24.0f * degree});
     mouth.step(20);
-    mouth.step(2);  // the wall follows in every second step
+    mouth.step(2);  // the wall is updated every second step
     const std::size_t at_rest = mouth.saliva.wall().nodes();
     pbd::Particles& tissue = mouth.tissue.body().particles;
     const Vec3f wet = mouth.liquid().front();
@@ -149,10 +149,10 @@ TEST(Saliva, ItsWallIsComputedOnlyWhereSomethingMoved) {
     EXPECT_GT(mouth.saliva.wall().nodes(), at_rest + 64);
     mouth.step(2);
     EXPECT_LT(mouth.saliva.wall().nodes(), at_rest + 64 * 50) << "blocks into which liquid runs";
-    // What it then has is what it would have from nothing.
-    LiquidWall anew(2e-3f, 0.6e-3f);
+    // The updated boundary equals one built from scratch.
+    LiquidBoundary anew(2e-3f, 0.6e-3f);
     anew.update(mouth.shell.distance(), mouth.shell.revision(), tissue, mouth.liquid());
-    LiquidWall kept(2e-3f, 0.6e-3f);
+    LiquidBoundary kept(2e-3f, 0.6e-3f);
     for (const float lift : {0.1e-3f, -0.1e-3f}) {
         tissue.position[tissue.size() / 2].y() += lift;
         for (Vec3f& p : tissue.position) {
@@ -161,15 +161,15 @@ TEST(Saliva, ItsWallIsComputedOnlyWhereSomethingMoved) {
         kept.update(mouth.shell.distance(), mouth.shell.revision(), tissue, mouth.liquid());
     }
     for (const Vec3f& x : mouth.liquid()) {
-        // Floats of 0.1 m that were moved there and back, by more than counts as unmoved.
+        // Floats of 0.1 m that were moved there and back, by more than the threshold for unmoved ones.
         ASSERT_NEAR(kept.distance().distance(x), anew.distance().distance(x), 10e-6f);
     }
 }
 
-TEST(Saliva, SuctionAtTheBladesTipTakesIt) {
+TEST(Saliva, SuctionAtBladeTipRemovesIt) {
     Mouth mouth({26.0f * degree, 24.0f * degree});
     mouth.step(60);
-    // The tip where the pool is deepest.
+    // The tip at the pool's deepest point.
     const Vec3f deepest = *std::max_element(mouth.liquid().begin(), mouth.liquid().end(),
                                             [](const Vec3f& a, const Vec3f& b) { return a.y() < b.y(); });
     const Laryngoscope scope = make_laryngoscope(Blade::miller_0);
@@ -181,22 +181,22 @@ TEST(Saliva, SuctionAtTheBladesTipTakesIt) {
     mouth.step(30, 1.0f);
     const std::uint64_t taken = mouth.saliva.fluid().aspirated();
     EXPECT_GT(taken, 20u);
-    // What the glands gave meanwhile is a particle or two.
+    // The glands' output meanwhile is a particle or two.
     EXPECT_NEAR(static_cast<double>(mouth.liquid().size() + taken), static_cast<double>(before), 4.0);
 }
 
-TEST(Saliva, GlandsGiveWhatTheyAreSetTo) {
+TEST(Saliva, GlandsSecreteTheSetFlow) {
     Mouth mouth({26.0f * degree, 24.0f * degree});
     const std::size_t before = mouth.liquid().size();
     mouth.step(2 * steps_per_second);
-    // Four of 2 ul/s in a newborn of 3.5 kg; each may owe a particle.
+    // Four glands of 2 ul/s in a newborn of 3.5 kg; each may be behind by a particle.
     const double given = 2.0 * 4.0 * 2e-9 * (1.1 / 3.5);
     const double particles = given / static_cast<double>(mouth.saliva.fluid().particle_volume());
     EXPECT_NEAR(static_cast<double>(mouth.liquid().size() - before), particles, 4.5);
 }
 
-// Thinner, and less held where it clings: what lies on the tongue at the start runs down faster.
-TEST(Saliva, BloodInItsPlaceRunsFaster) {
+// Thinner, and with less adhesion: the initial liquid on the tongue runs down faster.
+TEST(Saliva, BloodRunsFasterThanSaliva) {
     const auto speed = [](LiquidKind kind) {
         Mouth mouth({26.0f * degree, 24.0f * degree}, kind);
         double sum = 0.0;
@@ -222,8 +222,8 @@ class SalivaInScene : public ::testing::Test {
     SalivaInScene() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
         away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.live.head_elevation = 26.0f * degree;
-        away_.live.jaw_opening = 24.0f * degree;
+        away_.runtime_parameters.head_elevation = 26.0f * degree;
+        away_.runtime_parameters.jaw_opening = 24.0f * degree;
     }
     [[nodiscard]] Scene make(bool saliva) const {
         return {
@@ -232,7 +232,7 @@ class SalivaInScene : public ::testing::Test {
     Inputs away_;
 };
 
-TEST_F(SalivaInScene, ThereIsNoneUnlessAskedFor) {
+TEST_F(SalivaInScene, IsAbsentUnlessEnabled) {
     Scene scene = make(false);
     scene.step(away_);
     EXPECT_FALSE(scene.snapshot().saliva.on);
@@ -240,7 +240,7 @@ TEST_F(SalivaInScene, ThereIsNoneUnlessAskedFor) {
     EXPECT_EQ(scene.snapshot().saliva.positions.capacity(), 0u);
 }
 
-TEST_F(SalivaInScene, ThreadsDoNotChangeABit) {
+TEST_F(SalivaInScene, SameBitsForAnyNumberOfThreads) {
     const auto run = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {
             Scene scene = make(true);
@@ -255,7 +255,7 @@ TEST_F(SalivaInScene, ThreadsDoNotChangeABit) {
     EXPECT_EQ(run(8), one);
 }
 
-TEST_F(SalivaInScene, ResetBringsThePoolBack) {
+TEST_F(SalivaInScene, ResetRestoresPool) {
     Scene scene = make(true);
     const std::vector<Vec3f> pool = scene.snapshot().saliva.positions;
     const auto run = [&] {
@@ -271,11 +271,20 @@ TEST_F(SalivaInScene, ResetBringsThePoolBack) {
     EXPECT_EQ(run(), first);
 }
 
-TEST_F(SalivaInScene, TheStateHashTellsOfIt) {
-    EXPECT_NE(make(true).state_hash(), make(false).state_hash());
+TEST_F(SalivaInScene, ChangesStateHash) {
+    Scene with = make(true), same = make(true), without = make(false);
+    EXPECT_EQ(with.state_hash(), same.state_hash());
+    EXPECT_NE(with.state_hash(), without.state_hash());
+    for (int step = 0; step < 3; ++step) {
+        const auto before = with.state_hash();
+        with.step(away_);
+        same.step(away_);
+        EXPECT_EQ(with.state_hash(), same.state_hash());
+        EXPECT_NE(with.state_hash(), before) << "the liquid settles";
+    }
 }
 
-TEST_F(SalivaInScene, BloodIsAnotherState) {
+TEST_F(SalivaInScene, BloodChangesStateHash) {
     const auto hash = [&](LiquidKind kind) {
         Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, away_,
                     {.rigid = {}, .saliva = true, .liquid = kind});
@@ -287,9 +296,9 @@ TEST_F(SalivaInScene, BloodIsAnotherState) {
     EXPECT_NE(hash(LiquidKind::blood), hash(LiquidKind::saliva));
 }
 
-TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
+TEST_F(SalivaInScene, StandbyStaysDryUntilSecretionIsSet) {
     Inputs inputs = away_;
-    inputs.live.secretion = 0.0f;
+    inputs.runtime_parameters.secretion = 0.0f;
     Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
                 {.rigid = {}, .saliva = true, .dry_start = true});
     for (int k = 0; k < 20; ++k) {
@@ -297,17 +306,17 @@ TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
     }
     EXPECT_TRUE(scene.snapshot().saliva.on);
     EXPECT_TRUE(scene.snapshot().saliva.positions.empty());
-    inputs.live.secretion = 10.0f;
+    inputs.runtime_parameters.secretion = 10.0f;
     for (int k = 0; k < 2 * steps_per_second; ++k) {
         scene.step(inputs);
     }
-    EXPECT_NEAR(scene.snapshot().live.secretion, 10.0f, 1e-3f);
-    // It takes two seconds to be asked for ten times the flow, five more of it in each; each gland may owe a
-    // particle. None has run out yet.
+    EXPECT_NEAR(scene.snapshot().runtime_parameters.secretion, 10.0f, 1e-3f);
+    // It takes two seconds to request ten times the flow, five more of it in each; each gland may be behind
+    // by a particle. None has run out yet.
     const double given = 10.0 * 1.0 * 4.0 * 2e-9 * (1.1 / 3.5);
     const double particle = std::pow(static_cast<double>(scene.snapshot().saliva.spacing), 3);
     EXPECT_NEAR(static_cast<double>(scene.snapshot().saliva.positions.size()), given / particle, 5.0);
-    inputs.live.secretion = 0.0f;
+    inputs.runtime_parameters.secretion = 0.0f;
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         scene.step(inputs);
     }
@@ -318,10 +327,10 @@ TEST_F(SalivaInScene, OnStandbyThereIsNoneUntilItIsAskedFor) {
     EXPECT_EQ(scene.snapshot().saliva.positions.size() + scene.snapshot().saliva.left, there);
 }
 
-TEST_F(SalivaInScene, RunsToTheEndOfTheTableThatIsLower) {
+TEST_F(SalivaInScene, RunsToLowerEndOfTable) {
     const auto middle = [&](float table_angle) {
         Inputs inputs = away_;
-        inputs.live.table_angle = table_angle;
+        inputs.runtime_parameters.table_angle = table_angle;
         Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
                     {.rigid = {}, .saliva = true});
         for (int k = 0; k < 2 * steps_per_second; ++k) {
@@ -336,7 +345,7 @@ TEST_F(SalivaInScene, RunsToTheEndOfTheTableThatIsLower) {
     const float head_down = middle(-max_table_angle);
     const float level = middle(0.0f);
     const float head_up = middle(max_table_angle);
-    // More than a particle's way.
+    // More than a particle's displacement.
     EXPECT_GT(head_down, level + 0.3e-3f);
     EXPECT_LT(head_up, level - 0.3e-3f);
 }

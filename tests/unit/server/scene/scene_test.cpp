@@ -26,8 +26,8 @@ class SceneTest : public ::testing::Test {
     SceneTest() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
         away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.live.head_elevation = 20.0f * degree;
-        away_.live.jaw_opening = 25.0f * degree;
+        away_.runtime_parameters.head_elevation = 20.0f * degree;
+        away_.runtime_parameters.jaw_opening = 25.0f * degree;
         tongue_ = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
     }
 
@@ -35,7 +35,7 @@ class SceneTest : public ::testing::Test {
         return {test::coarse_newborn(), scope_, Tube{}, away_, settings};
     }
 
-    /// The blade in the mouth, its tip over the tongue where that is highest, and `depth` [m] lower.
+    /// The blade in the mouth, its tip over the tongue's highest point, and `depth` [m] lower.
     [[nodiscard]] Inputs pressing(float depth) const {
         Inputs inputs = away_;
         const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
@@ -57,8 +57,8 @@ class SceneTest : public ::testing::Test {
     Vec3f tongue_ = Vec3f::Zero();
 };
 
-// Nothing simulated stops a tool or gives way in a manikin's place, wherever the tools go.
-TEST_F(SceneTest, OnAManikinToolsAreWhereTheirDevicesAre) {
+// A manikin has no simulated tissue: nothing stops a tool or is displaced by it anywhere.
+TEST_F(SceneTest, ManikinToolsFollowDevicesExactly) {
     Settings settings;
     settings.manikin = true;
     Scene scene = make(settings);
@@ -75,12 +75,12 @@ TEST_F(SceneTest, OnAManikinToolsAreWhereTheirDevicesAre) {
         ASSERT_TRUE(s.tissue_contacts.empty());
         ASSERT_EQ(s.tissue_force, Vec3f(Vec3f::Zero()));
         ASSERT_EQ(s.shell_force, Vec3f(Vec3f::Zero()));
-        // The tube on its arc: its tip is where an arc of that radius takes it from the grip.
+        // The tube on its arc: the position of its tip follows from the grip and the arc's radius.
         const Tube tube;
         const Vec3f tip =
             (inputs.tube_grip * along_arc(1.0f / tube.curve_radius, tube.grip_from_tip)).translation;
-        // The rod's segments are chords of the arc: sixteen of them leave its end by less than a tenth of a
-        // mm.
+        // The rod's segments are chords of the arc: with sixteen of them its end deviates by less than a
+        // tenth of a mm.
         ASSERT_LT((s.tube_nodes.back() - tip).norm(), 1e-4f);
     }
     EXPECT_EQ(scene.snapshot().step, 40u);
@@ -89,7 +89,7 @@ TEST_F(SceneTest, OnAManikinToolsAreWhereTheirDevicesAre) {
     }
 }
 
-TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
+TEST_F(SceneTest, UntouchedTissueStaysAtRest) {
     Scene scene = make();
     const std::vector<FramePose> before = scene.snapshot().frames;
     for (int k = 0; k < 60; ++k) {
@@ -102,7 +102,7 @@ TEST_F(SceneTest, WhatNobodyTouchesStaysWhereItIs) {
     EXPECT_EQ(scene.snapshot().shell_force, Vec3f(Vec3f::Zero()));
 }
 
-TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
+TEST_F(SceneTest, ImplicitTongueIsSteadyUnderBlade) {
     const auto pressed = [&] {
         auto scene =
             std::make_unique<Scene>(test::coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}});
@@ -121,7 +121,7 @@ TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
         sum += c.force;
     }
     EXPECT_LT((sum - s.tissue_force).norm(), 1e-4f * s.tissue_force.norm());
-    // A third of what a hand's tremor of 0.1 mm at 10 Hz moves (6 mm/s): nobody feels less.
+    // A third of the speed of a hand's tremor of 0.1 mm at 10 Hz (6 mm/s), the least that is felt.
     double squared = 0.0;
     std::size_t count = 0;
     const pbd::Particles& p = scene.tissue().body().particles;
@@ -139,7 +139,7 @@ TEST_F(SceneTest, AnImplicitTongueStandsStillUnderABlade) {
 }
 
 // The reference is the same scene with other substeps: at rest the force is the material's.
-TEST_F(SceneTest, AnImplicitTonguesForceHangsOnNoSubstep) {
+TEST_F(SceneTest, ImplicitTongueForceIsSubstepIndependent) {
     const auto force_with = [&](int substeps) {
         Scene scene = make({.substeps = substeps, .rigid = {}});
         press(scene);
@@ -154,19 +154,19 @@ TEST_F(SceneTest, AnImplicitTonguesForceHangsOnNoSubstep) {
     EXPECT_NEAR(force_with(16), usual, 0.03f * usual);
 }
 
-TEST_F(SceneTest, AnImplicitTongueBearsAnyStiffnessAndAQuickBlade) {
+TEST_F(SceneTest, StiffImplicitTongueIsStableUnderFastBlade) {
     Inputs stiff = away_;
-    stiff.live.tissue_stiffness = 100e3f;
+    stiff.runtime_parameters.tissue_stiffness = 100e3f;
     Scene scene = make();
     scene.reset(stiff);
-    EXPECT_FLOAT_EQ(scene.snapshot().live.tissue_stiffness, 100e3f);
+    EXPECT_FLOAT_EQ(scene.snapshot().runtime_parameters.tissue_stiffness, 100e3f);
     const auto pressed = [&](float depth) {
         Inputs inputs = pressing(depth);
-        inputs.live.tissue_stiffness = 100e3f;
+        inputs.runtime_parameters.tissue_stiffness = 100e3f;
         return inputs;
     };
     scene.place_laryngoscope(pressed(0.0f).laryngoscope);
-    // Half a metre a second: 2.8 mm in a step, in which the tongue is solved four times.
+    // Half a metre a second: 2.8 mm in a step, during which the tongue is solved four times.
     float depth = 0.0f;
     for (; depth < 12e-3f; depth += 0.5f / steps_per_second) {
         scene.step(pressed(depth));
@@ -186,7 +186,7 @@ TEST_F(SceneTest, AnImplicitTongueBearsAnyStiffnessAndAQuickBlade) {
     EXPECT_LT(most - least, 0.01f * most) << "it stands still";
 }
 
-TEST_F(SceneTest, TissueThatMeetsTissueIsLeftAloneAtRestAndStillGivesWay) {
+TEST_F(SceneTest, SelfContactLeavesRestShapeUnchanged) {
     Scene scene = make({.rigid = {}, .self_contact = true});
     for (int k = 0; k < 60; ++k) {
         scene.step(away_);
@@ -199,8 +199,8 @@ TEST_F(SceneTest, TissueThatMeetsTissueIsLeftAloneAtRestAndStillGivesWay) {
     EXPECT_GT(scene.snapshot().tissue_force.z(), 0.01f);
 }
 
-// The reference is the same scene with sleep: what contact does must not hang on that.
-TEST_F(SceneTest, TissueMeetsTissueWhereNothingSleeps) {
+// The reference is the same scene with sleep: contact must not depend on it.
+TEST_F(SceneTest, SelfContactIsIndependentOfSleeping) {
     const auto pressed = [&](bool self_contact, bool sleep) {
         Scene scene = make({.rigid = {}, .self_contact = self_contact, .sleep = sleep});
         press(scene);
@@ -228,7 +228,7 @@ TEST_F(SceneTest, TimeIsStepsOverTheRate) {
     EXPECT_EQ(scene.snapshot().time_ns, 1'000'000'000u);
 }
 
-TEST_F(SceneTest, ResetStartsTheSameCourseAgain) {
+TEST_F(SceneTest, ResetReproducesTheRun) {
     Scene scene = make();
     const auto run = [&] {
         press(scene);
@@ -240,7 +240,7 @@ TEST_F(SceneTest, ResetStartsTheSameCourseAgain) {
     EXPECT_EQ(run(), first);
 }
 
-TEST_F(SceneTest, ThreadsDoNotChangeABit) {
+TEST_F(SceneTest, SameBitsForAnyNumberOfThreads) {
     const auto run = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {
             Scene scene = make();
@@ -253,7 +253,7 @@ TEST_F(SceneTest, ThreadsDoNotChangeABit) {
     EXPECT_EQ(run(8), one);
 }
 
-TEST_F(SceneTest, TheProxyIsPassedOnBeforeTheTissueMoves) {
+TEST_F(SceneTest, ProxyIsReportedBeforeTissueMoves) {
     Scene scene = make();
     press(scene);
     const Inputs deeper = pressing(0.15e-3f * 41.0f);
@@ -279,12 +279,12 @@ TEST_F(SceneTest, TheProxyIsPassedOnBeforeTheTissueMoves) {
     EXPECT_EQ(untold.state_hash(), scene.state_hash());
 }
 
-TEST_F(SceneTest, TheBladePressesTheTongueAndTheTonguePressesBack) {
+TEST_F(SceneTest, BladeAndTonguePressOnEachOther) {
     Scene scene = make();
     press(scene);
     EXPECT_LT(at(scene.snapshot().landmarks, Landmark::tongue_dorsum).z(), tongue_.z() - 0.5e-3f);
     EXPECT_GT(scene.snapshot().tissue_force.z(), 0.01f) << "up, against the blade's motion";
-    // Lifted off again, the tissue comes back to where it was.
+    // After the blade is lifted off, the tissue returns to its position.
     for (int k = 0; k < 2 * steps_per_second; ++k) {
         scene.step(away_);
     }
@@ -292,8 +292,8 @@ TEST_F(SceneTest, TheBladePressesTheTongueAndTheTonguePressesBack) {
     EXPECT_EQ(scene.snapshot().tissue_force, Vec3f(Vec3f::Zero()));
 }
 
-TEST_F(SceneTest, ASettledStepDoesNotAllocate) {
-    // One thread: oneTBB's own tasks come from its pools, which grow with the threads it starts.
+TEST_F(SceneTest, SettledStepDoesNotAllocate) {
+    // One thread: oneTBB allocates its own tasks from pools that grow with the threads it starts.
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
     for (const bool self_contact : {false, true}) {
         Scene scene = make({.rigid = {}, .self_contact = self_contact});
@@ -309,19 +309,20 @@ TEST_F(SceneTest, ASettledStepDoesNotAllocate) {
     }
 }
 
-TEST_F(SceneTest, PostureIsApproachedAtANursesPace) {
+TEST_F(SceneTest, PostureRateIsLimited) {
     Scene scene = make();
     Inputs inputs = away_;
-    inputs.live.head_elevation = 40.0f * degree;  // beyond the joint
+    inputs.runtime_parameters.head_elevation = 40.0f * degree;  // beyond the joint
     scene.step(inputs);
-    EXPECT_NEAR(scene.snapshot().live.head_elevation, 20.0f * degree + 0.17f * step_duration, 1e-6f);
+    EXPECT_NEAR(scene.snapshot().runtime_parameters.head_elevation, 20.0f * degree + 0.17f * step_duration,
+                1e-6f);
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         scene.step(inputs);
     }
-    EXPECT_FLOAT_EQ(scene.snapshot().live.head_elevation, max_head_elevation);
+    EXPECT_FLOAT_EQ(scene.snapshot().runtime_parameters.head_elevation, max_head_elevation);
 }
 
-/// The tongue's particles that have left their mean by most: height of the highest fifty [m].
+/// The mean height of the tongue's fifty highest particles [m].
 float tongue_height(const Scene& scene) {
     const pbd::Particles& p = scene.tissue().body().particles;
     std::vector<float> z;
@@ -334,8 +335,8 @@ float tongue_height(const Scene& scene) {
     return std::accumulate(z.begin(), z.begin() + 50, 0.0f) / 50.0f;
 }
 
-// Turned by half a turn, implicit tetrahedra end in a knot (docs/solver/stability.md): all are right side
-// out, but wound about each other. With the tools away the tongue does not stay so.
+// Rotated by half a turn, implicit tetrahedra end in a knot (docs/solver/stability.md): all have positive
+// volume, but are wound about each other. With the tools away the tongue recovers.
 class TurnedTongue {
   public:
     TurnedTongue(Scene& scene, const Vec3f& about) : scene_(scene) {
@@ -350,7 +351,7 @@ class TurnedTongue {
     }
 
     [[nodiscard]] bool awake() const { return scene_.tissue().body().sleep.mesh_awake(); }
-    /// Of its particles, from where they rest [m].
+    /// Largest distance of its particles from rest [m].
     [[nodiscard]] float farthest() const {
         const pbd::Particles& p = scene_.tissue().body().particles;
         float most = 0.0f;
@@ -366,7 +367,7 @@ class TurnedTongue {
     Scene& scene_;
 };
 
-TEST_F(SceneTest, ATongueIsNotLeftInAKnot) {
+TEST_F(SceneTest, TangledTongueRecovers) {
     Scene scene = make();
     press(scene);
     scene.place_laryngoscope(away_.laryngoscope);
@@ -379,7 +380,7 @@ TEST_F(SceneTest, ATongueIsNotLeftInAKnot) {
     EXPECT_FALSE(tongue.awake()) << "and then it rests";
 }
 
-TEST_F(SceneTest, ATongueThatFellAsleepInAKnotIsWokenWhenTheBladeLeaves) {
+TEST_F(SceneTest, TangledSleepingTongueWakesWhenBladeLeaves) {
     Scene scene = make();
     press(scene);
     const Inputs above = pressing(-12e-3f);
@@ -396,15 +397,15 @@ TEST_F(SceneTest, ATongueThatFellAsleepInAKnotIsWokenWhenTheBladeLeaves) {
     EXPECT_LT(tongue.farthest(), 0.1e-3f);
 }
 
-TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
+TEST_F(SceneTest, ChangedStiffnessMatchesInitialStiffness) {
     const float usual = test::coarse_newborn().tissue_stiffness;
     const auto settled = [&](float first, float later) {
         Inputs start = away_;
-        start.live.tissue_stiffness = first;
+        start.runtime_parameters.tissue_stiffness = first;
         Scene scene(test::coarse_newborn(), scope_, Tube{}, start, {});
         press(scene);
         Inputs held = pressing(0.15e-3f * 39.0f);
-        held.live.tissue_stiffness = later;
+        held.runtime_parameters.tissue_stiffness = later;
         float before = scene.snapshot().tissue_force.norm();
         float largest = 0.0f;
         for (int k = 0; k < 3 * steps_per_second; ++k) {
@@ -419,21 +420,21 @@ TEST_F(SceneTest, AStiffnessThatComesLaterIsTheOneThatWasThereFromTheStart) {
     const auto [stiff, stiff_change] = settled(12e3f, 12e3f);
     const auto [late, late_change] = settled(usual, 12e3f);
     ASSERT_GT(stiff, 1.2f * soft);
-    // The way there leaves friction on the blade at other places: no more than a twentieth.
+    // The path there leaves friction on the blade at other points: no more than a twentieth.
     EXPECT_NEAR(late, stiff, 0.05f * stiff);
-    // A step changes the stiffness by 1/180, and the force with it; what else goes on in the tissue, as it
-    // settles with the blade held, is in the others.
+    // A step changes the stiffness by 1/180, and the force with it; other motion, as the tissue settles with
+    // the blade held, also occurs in the other runs.
     EXPECT_LT(late_change, std::max(soft_change, stiff_change) + 2.0f * stiff / steps_per_second);
 }
 
-// A larger one would meet the palate, whose friction holds it a tenth of a millimetre here or there.
-// What lives of the tube is followed to where a tube made so from the start lies.
-TEST_F(SceneTest, ATubeThatBecomesSofterAndStraighterLiesWhereOneMadeSoDoes) {
+// A larger one would touch the palate, whose friction holds it a tenth of a millimetre off. The tube's
+// runtime parameters converge to the pose of a tube built with them from the start.
+TEST_F(SceneTest, ChangedTubeMatchesTubeBuiltThatWay) {
     Inputs wanted = away_;
     wanted.tube_grip.rotation = Quatf(Eigen::AngleAxisf(90.0f * degree, Vec3f::UnitX()));
     Inputs soft = wanted;
-    soft.live.tube_youngs_modulus = 2e6f;
-    soft.live.tube_curve_radius = 2.0f;
+    soft.runtime_parameters.tube_youngs_modulus = 2e6f;
+    soft.runtime_parameters.tube_curve_radius = 2.0f;
     const auto tip_after = [](Scene& scene, const Inputs& inputs, int steps) {
         for (int k = 0; k < steps; ++k) {
             scene.step(inputs);
@@ -450,13 +451,13 @@ TEST_F(SceneTest, ATubeThatBecomesSofterAndStraighterLiesWhereOneMadeSoDoes) {
     EXPECT_LT((after - expected).norm(), 0.05f * (after - before).norm());
 }
 
-TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
+TEST_F(SceneTest, TongueSwellsSmoothlyAndShrinksBack) {
     Scene scene = make();
     const float before = tongue_height(scene);
     const std::vector<FramePose> frames = scene.snapshot().frames;
     const auto grow = [&](float scale, int steps) {
         Inputs inputs = away_;
-        inputs.live.tongue_scale = scale;
+        inputs.runtime_parameters.tongue_scale = scale;
         float last = tongue_height(scene);
         float fastest = 0.0f;
         for (int k = 0; k < steps; ++k) {
@@ -467,10 +468,10 @@ TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
         return fastest;
     };
     const float fastest = grow(1.1f, 4 * steps_per_second);
-    EXPECT_FLOAT_EQ(scene.snapshot().live.tongue_scale, 1.1f);
+    EXPECT_FLOAT_EQ(scene.snapshot().runtime_parameters.tongue_scale, 1.1f);
     const float grown = tongue_height(scene) - before;
     EXPECT_GT(grown, 1e-3f);
-    // A tenth a second of 20 mm at most, in one step; twice that where it eases into place.
+    // A tenth per second of 20 mm at most, in one step; twice that where it eases in.
     EXPECT_LT(fastest, 2.0f * 0.1f * 20e-3f / steps_per_second);
     EXPECT_EQ(scene.snapshot().tissue_force, Vec3f(Vec3f::Zero()));
     (void)grow(1.0f, 5 * steps_per_second);
@@ -480,40 +481,40 @@ TEST_F(SceneTest, ATongueSwellsWithoutAJumpAndShrinksBack) {
     }
 }
 
-TEST_F(SceneTest, ResetPutsALargerTongueInPlaceAtOnce) {
+TEST_F(SceneTest, ResetAppliesTongueSizeImmediately) {
     Inputs large = away_;
-    large.live.tongue_scale = 1.1f;
+    large.runtime_parameters.tongue_scale = 1.1f;
     Scene swollen = make();
     for (int k = 0; k < 5 * steps_per_second; ++k) {
         swollen.step(large);
     }
     Scene reset = make();
     reset.reset(large);
-    EXPECT_FLOAT_EQ(reset.snapshot().live.tongue_scale, 1.1f);
+    EXPECT_FLOAT_EQ(reset.snapshot().runtime_parameters.tongue_scale, 1.1f);
     for (int k = 0; k < 2 * steps_per_second; ++k) {
         reset.step(large);
     }
     EXPECT_NEAR(tongue_height(reset), tongue_height(swollen), 1e-4f);
 }
 
-TEST_F(SceneTest, TheHeadGrowsAndNothingMeetsIt) {
+TEST_F(SceneTest, HeadGrowthDoesNotAffectSimulation) {
     Scene usual = make();
     Scene large = make({.head_scale = 0.9f, .rigid = {}});
     Inputs inputs = away_;
     Inputs grow = away_;
-    grow.live.head_scale = 0.9f;
+    grow.runtime_parameters.head_scale = 0.9f;
     large.reset(grow);
-    grow.live.head_scale = 1.08f;  // a fifth more
+    grow.runtime_parameters.head_scale = 1.08f;  // a fifth more
     const std::size_t first = anatomy::bone_count + test::coarse_newborn().clusters.size();
     const std::vector<FramePose> before = large.snapshot().frames;
     ASSERT_EQ(before.size(), first + anatomy::head_frame_count);
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         usual.step(inputs);
         large.step(grow);
-        ASSERT_LE(large.snapshot().live.head_scale,
+        ASSERT_LE(large.snapshot().runtime_parameters.head_scale,
                   0.9f + 0.1001f * static_cast<float>(k + 1) * step_duration);
     }
-    EXPECT_FLOAT_EQ(large.snapshot().live.head_scale, 1.08f);
+    EXPECT_FLOAT_EQ(large.snapshot().runtime_parameters.head_scale, 1.08f);
     EXPECT_EQ(large.state_hash(), usual.state_hash());
     for (std::size_t f = 0; f < before.size(); ++f) {
         const FramePose& now = large.snapshot().frames[f];
@@ -523,28 +524,31 @@ TEST_F(SceneTest, TheHeadGrowsAndNothingMeetsIt) {
     }
     Scene reset = make({.head_scale = 0.9f, .rigid = {}});
     reset.reset(grow);
-    EXPECT_FLOAT_EQ(reset.snapshot().live.head_scale, 1.08f);
+    EXPECT_FLOAT_EQ(reset.snapshot().runtime_parameters.head_scale, 1.08f);
 }
 
-TEST_F(SceneTest, SizeAndStiffnessWaitForEachOtherWhereTheSolverBearsNotBoth) {
-    Scene scene = make({.stiffest = 10e3f, .rigid = {}});
+TEST_F(SceneTest, GrowthIsLimitedByStability) {
+    Scene scene = make({.max_stable_modulus = 10e3f, .rigid = {}});
     Inputs both = away_;
-    both.live.tongue_scale = 1.4f;
-    both.live.tissue_stiffness = 10e3f;
+    both.runtime_parameters.tongue_scale = 1.4f;
+    both.runtime_parameters.tissue_stiffness = 10e3f;
     for (int k = 0; k < 8 * steps_per_second; ++k) {
         scene.step(both);
-        ASSERT_LE(scene.snapshot().live.tissue_stiffness * scene.snapshot().live.tongue_scale, 10.01e3f) << k;
+        ASSERT_LE(scene.snapshot().runtime_parameters.tissue_stiffness *
+                      scene.snapshot().runtime_parameters.tongue_scale,
+                  10.01e3f)
+            << k;
     }
 }
 
-TEST_F(SceneTest, HowTheTongueGrowsDoesNotHangOnThreads) {
+TEST_F(SceneTest, TongueGrowthHasSameBitsForAnyThreads) {
     const auto run = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {
             Scene scene = make();
             Inputs inputs = away_;
-            inputs.live.tongue_scale = 1.1f;
-            inputs.live.tissue_stiffness = 10e3f;
-            inputs.live.table_angle = 0.1f;
+            inputs.runtime_parameters.tongue_scale = 1.1f;
+            inputs.runtime_parameters.tissue_stiffness = 10e3f;
+            inputs.runtime_parameters.table_angle = 0.1f;
             for (int k = 0; k < 150; ++k) {
                 scene.step(inputs);
             }
@@ -554,16 +558,16 @@ TEST_F(SceneTest, HowTheTongueGrowsDoesNotHangOnThreads) {
     EXPECT_EQ(run(4), run(1));
 }
 
-TEST_F(SceneTest, ATiltedTableTurnsGravityAndNothingElse) {
+TEST_F(SceneTest, TiltedTableOnlyRotatesGravity) {
     Scene level = make();
     Scene tilted = make();
     Inputs inputs = away_;
-    inputs.live.table_angle = 0.5f;  // beyond what it does
+    inputs.runtime_parameters.table_angle = 0.5f;  // beyond its range
     const std::vector<FramePose> before = tilted.snapshot().frames;
     for (int k = 0; k < 4 * steps_per_second; ++k) {
         tilted.step(inputs);
     }
-    EXPECT_FLOAT_EQ(tilted.snapshot().live.table_angle, max_table_angle);
+    EXPECT_FLOAT_EQ(tilted.snapshot().runtime_parameters.table_angle, max_table_angle);
     for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
         EXPECT_EQ(tilted.snapshot().frames[b].centre, before[b].centre);
     }
@@ -573,7 +577,7 @@ TEST_F(SceneTest, ATiltedTableTurnsGravityAndNothingElse) {
                       at(level.snapshot().landmarks, Landmark::tongue_dorsum);
     EXPECT_LT(sag.z(), -5e-6f);
     EXPECT_GT(sag.z(), -1000.0f * 9.81f * 0.342f * 0.03f / 8e3f * 0.03f);
-    inputs.live.table_angle = 0.0f;
+    inputs.runtime_parameters.table_angle = 0.0f;
     for (int k = 0; k < 5 * steps_per_second; ++k) {
         tilted.step(inputs);
     }
@@ -583,7 +587,7 @@ TEST_F(SceneTest, ATiltedTableTurnsGravityAndNothingElse) {
               5e-6f);
 }
 
-TEST(Gravity, IsTrueToTheBitOnALevelTable) {
+TEST(Gravity, IsExactOnLevelTable) {
     const Vec3f level = anatomy::gravity(0.0f);
     EXPECT_EQ(level, Vec3f(0.0f, 9.81f, 0.0f));
     EXPECT_FALSE(std::signbit(level.z()));

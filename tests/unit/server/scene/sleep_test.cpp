@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-// What rests sleeps, in the scene; how groups fall asleep and wake: tests/unit/server/pbd/sleep_test.cpp.
+// Sleeping tissue in the scene; for how groups fall asleep and wake see
+// tests/unit/server/pbd/soft/sleep_test.cpp.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -18,8 +19,8 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
     SceneSleepTest() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
         away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.live.head_elevation = 20.0f * degree;
-        away_.live.jaw_opening = 25.0f * degree;
+        away_.runtime_parameters.head_elevation = 20.0f * degree;
+        away_.runtime_parameters.jaw_opening = 25.0f * degree;
     }
 
     [[nodiscard]] Scene make(bool sleeps = true) const {
@@ -51,7 +52,7 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
     Inputs away_;
 };
 
-TEST_P(SceneSleepTest, AStepAtRestWorksAtNoTissue) {
+TEST_P(SceneSleepTest, RestingStepSolvesNoTissue) {
     Scene scene = make();
     rest(scene);
     EXPECT_GT(sleep_of(scene).groups(), 10u);
@@ -71,48 +72,48 @@ TEST_P(SceneSleepTest, AStepAtRestWorksAtNoTissue) {
     }
 }
 
-TEST_P(SceneSleepTest, WhatChangesTheWholeWakesTheWhole) {
+TEST_P(SceneSleepTest, GlobalChangesWakeAllTissue) {
     const std::array<std::function<void(Inputs&)>, 4> changes = {
-        [](Inputs& i) { i.live.head_elevation += 0.01f; },
-        [](Inputs& i) { i.live.jaw_opening += 0.01f; },
-        [](Inputs& i) { i.live.table_angle += 0.01f; },
-        [](Inputs& i) { i.live.tissue_stiffness = 7.9e3f; },
+        [](Inputs& i) { i.runtime_parameters.head_elevation += 0.01f; },
+        [](Inputs& i) { i.runtime_parameters.jaw_opening += 0.01f; },
+        [](Inputs& i) { i.runtime_parameters.table_angle += 0.01f; },
+        [](Inputs& i) { i.runtime_parameters.tissue_stiffness = 7.9e3f; },
     };
     Scene scene = make();
     for (std::size_t c = 0; c < changes.size(); ++c) {
         scene.reset(away_);
-        EXPECT_TRUE(sleep_of(scene).whole_awake()) << "a reset does, too";
+        EXPECT_TRUE(sleep_of(scene).all_awake()) << "a reset does, too";
         rest(scene);
         Inputs inputs = away_;
         changes[c](inputs);
         scene.step(inputs);
-        EXPECT_TRUE(sleep_of(scene).whole_awake()) << c;
+        EXPECT_TRUE(sleep_of(scene).all_awake()) << c;
         EXPECT_EQ(sleep_of(scene).awake_groups(), sleep_of(scene).groups()) << c;
     }
 }
 
-TEST_P(SceneSleepTest, TheShellsDistancesWakeWhatTheyMayMeet) {
+TEST_P(SceneSleepTest, UpdatedShellDistancesWakeTissue) {
     Scene scene = make();
     Inputs inputs = away_;
-    inputs.live.head_elevation += 0.5f * degree;
+    inputs.runtime_parameters.head_elevation += 0.5f * degree;
     std::size_t slept_at = 0;
     std::size_t woke_at = 0;
     for (std::size_t k = 1; k < 2 * PosedShell::grid_delay; ++k) {
         scene.step(inputs);
         slept_at = slept_at == 0 && sleep_of(scene).awake_groups() == 0 ? k : slept_at;
-        woke_at = slept_at > 0 && woke_at == 0 && sleep_of(scene).whole_awake() ? k : woke_at;
+        woke_at = slept_at > 0 && woke_at == 0 && sleep_of(scene).all_awake() ? k : woke_at;
     }
     EXPECT_GT(slept_at, 9u);
     EXPECT_EQ(woke_at, static_cast<std::size_t>(PosedShell::grid_delay))
         << "from the first step on which bones moved";
 }
 
-TEST_P(SceneSleepTest, AHeadThatTurnsEndsWhereItWouldHadNothingSlept) {
+TEST_P(SceneSleepTest, TurnedHeadMatchesNeverSleepingScene) {
     Scene scene = make();
     Scene awake = make(false);
     rest(scene);
     Inputs inputs = away_;
-    inputs.live.head_elevation += 3.0f * degree;
+    inputs.runtime_parameters.head_elevation += 3.0f * degree;
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         scene.step(inputs);
         awake.step(inputs);
@@ -124,12 +125,12 @@ TEST_P(SceneSleepTest, AHeadThatTurnsEndsWhereItWouldHadNothingSlept) {
     for (std::size_t i = 0; i < p.size(); ++i) {
         squares += static_cast<double>((p.position[i] - q.position[i]).squaredNorm());
     }
-    // What creeps at less than `still` in nine steps is stopped: of tissue that comes to rest with a time
-    // constant of a fifth of a second (36 steps) that is at most 2 um before it is there.
+    // Tissue that creeps by less than `still` in nine steps is stopped: if it comes to rest with a time
+    // constant of a fifth of a second (36 steps), that is at most 2 um before its equilibrium.
     EXPECT_LT(std::sqrt(squares / static_cast<double>(p.size())), 2e-6);
 }
 
-TEST_P(SceneSleepTest, TheBladeMeetsWhatSleptAsWhatDidNot) {
+TEST_P(SceneSleepTest, BladeForceIsIndependentOfSleeping) {
     Scene scene = make();
     Scene awake = make(false);
     for (Scene* s : {&scene, &awake}) {
@@ -138,7 +139,7 @@ TEST_P(SceneSleepTest, TheBladeMeetsWhatSleptAsWhatDidNot) {
             s->step(pressing(-8e-3f));
         }
     }
-    EXPECT_FALSE(sleep_of(scene).whole_awake());
+    EXPECT_FALSE(sleep_of(scene).all_awake());
     float sum = 0.0f;
     float difference = 0.0f;
     for (int k = 0; k < 60; ++k) {
@@ -152,7 +153,7 @@ TEST_P(SceneSleepTest, TheBladeMeetsWhatSleptAsWhatDidNot) {
     EXPECT_LT(difference, 5e-3f * sum) << "half a per cent";
 }
 
-TEST_P(SceneSleepTest, TheTubeWakesTissueBeforeItTouches) {
+TEST_P(SceneSleepTest, TubeWakesTissueBeforeContact) {
     Scene scene = make();
     rest(scene);
     const std::vector<Vec3f> before = scene.tissue().body().particles.position;
@@ -172,10 +173,10 @@ TEST_P(SceneSleepTest, TheTubeWakesTissueBeforeItTouches) {
         ASSERT_LT((after[i] - before[i]).norm(), 0.5e-6f) << i;
     }
     scene.place_tube(away_.tube_grip);
-    EXPECT_TRUE(sleep_of(scene).whole_awake()) << "what it may have pressed on";
+    EXPECT_TRUE(sleep_of(scene).all_awake()) << "what it may have pressed on";
 }
 
-TEST_P(SceneSleepTest, ThreadsDoNotChangeABit) {
+TEST_P(SceneSleepTest, SameBitsForAnyNumberOfThreads) {
     const auto run = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {
             Scene scene = make();
@@ -186,7 +187,7 @@ TEST_P(SceneSleepTest, ThreadsDoNotChangeABit) {
             bool half = false;
             for (int k = 0; k < 60; ++k) {
                 scene.step(pressing(-8e-3f + 0.25e-3f * static_cast<float>(k)));
-                half = half || (sleep_of(scene).awake_groups() > 0 && !sleep_of(scene).whole_awake());
+                half = half || (sleep_of(scene).awake_groups() > 0 && !sleep_of(scene).all_awake());
             }
             EXPECT_TRUE(half) << "some slept while others moved";
             return scene.state_hash();

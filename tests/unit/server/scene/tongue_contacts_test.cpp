@@ -10,7 +10,7 @@ namespace {
 constexpr float radius = 3e-3f;  // [m], of the blade's one capsule
 constexpr float ball = 0.5e-3f;  // [m], of a particle
 
-/// An edge along x, met by a blade along z, whose axis passes it `height` [m] above.
+/// An edge along x, and a blade along z whose axis passes `height` [m] above it.
 class EdgeUnderBlade : public ::testing::Test {
   protected:
     std::vector<pbd::MeshContact> met(float half_length, float height) {
@@ -35,7 +35,7 @@ class EdgeUnderBlade : public ::testing::Test {
     }
 };
 
-TEST_F(EdgeUnderBlade, ItIsMetHoweverFarItsEndsAre) {
+TEST_F(EdgeUnderBlade, ContactIsFoundForAnyEdgeLength) {
     for (const float half_length : {5e-3f, 8e-3f, 12e-3f, 30e-3f}) {
         const std::vector<pbd::MeshContact> found = met(half_length, 2e-3f);
         ASSERT_EQ(found.size(), 1u) << half_length;
@@ -46,7 +46,7 @@ TEST_F(EdgeUnderBlade, ItIsMetHoweverFarItsEndsAre) {
     }
 }
 
-TEST_F(EdgeUnderBlade, OneBesideTheBladeIsNot) {
+TEST_F(EdgeUnderBlade, EdgeBesideBladeIsIgnored) {
     EXPECT_TRUE(met(12e-3f, radius + ball + 1e-5f).empty());
 }
 

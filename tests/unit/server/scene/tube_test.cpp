@@ -20,7 +20,7 @@ namespace {
 
 constexpr int tube_substeps = 8;
 constexpr float tube_dt = step_duration / tube_substeps;
-const Vec3f far_away(0.0f, 0.5f, 0.5f);  // [m], for a blade that shall not matter
+const Vec3f far_away(0.0f, 0.5f, 0.5f);  // [m], for a blade out of the way
 
 /// Solid below z = 0, on a grid of 1 mm.
 DistanceGrid floor_grid() {
@@ -38,7 +38,7 @@ DistanceGrid floor_grid() {
     return grid;
 }
 
-/// Nothing solid anywhere near.
+/// Nothing solid nearby.
 DistanceGrid empty_grid() {
     DistanceGrid grid;
     grid.size = {2, 2, 2};
@@ -70,7 +70,7 @@ class TubeContactTest : public ::testing::Test {
               const std::function<void(std::size_t)>& predict) {
         step(contact, to, blade_, blade_, predict);
     }
-    /// `predict` says where particle i would go.
+    /// `predict` returns the predicted position of particle i.
     void step(TubeContact& contact, const RigidTransform& to, const RigidTransform& blade_from,
               const RigidTransform& blade_to, const std::function<void(std::size_t)>& predict) {
         contact.begin_step(particles_, grip_, to, blade_from, blade_to);
@@ -101,11 +101,11 @@ class TubeContactTest : public ::testing::Test {
     std::vector<Vec3f> nodes_;
 };
 
-TEST_F(TubeContactTest, DoesNotGoThroughAWallAtAHandsGreatestSpeed) {
+TEST_F(TubeContactTest, DoesNotTunnelAtMaximumHandSpeed) {
     shell_ = floor_grid();
     grip_ = pointing_down({0, 0, tube_.grip_from_tip + 0.01f});
     TubeContact contact(tube_, scope_, grip_);
-    // 1 m/s for 30 mm: the wall is met after 8 mm, and the tube has to bend for the rest.
+    // 1 m/s for 30 mm: it hits the wall after 8 mm, and must bend for the rest.
     const float way = 1.0f * step_duration;
     const int steps = static_cast<int>(30e-3f / way) + 60;
     for (int k = 0; k < steps; ++k) {
@@ -117,7 +117,7 @@ TEST_F(TubeContactTest, DoesNotGoThroughAWallAtAHandsGreatestSpeed) {
             ASSERT_GT(node.z(), 0.0f) << "in step " << k << " the centre line is in the wall";
         }
     }
-    // A chain whose segments came apart would be longer than it was made.
+    // A chain with separated segments would be longer than built.
     float length = 0.0f;
     for (std::size_t i = 1; i < nodes_.size(); ++i) {
         length += (nodes_[i] - nodes_[i - 1]).norm();
@@ -125,8 +125,8 @@ TEST_F(TubeContactTest, DoesNotGoThroughAWallAtAHandsGreatestSpeed) {
     EXPECT_NEAR(length, tube_.length, 1e-3f * tube_.length);
 }
 
-TEST_F(TubeContactTest, ABladeSweptAcrossDoesNotPassThrough) {
-    // Along x, so that it cannot give way sideways around the blade, whose plate faces y.
+TEST_F(TubeContactTest, SweptBladeDoesNotPassThroughTube) {
+    // Along x, so that it cannot escape sideways around the blade, whose plate faces y.
     grip_ = {Quatf(Eigen::AngleAxisf(0.5f * std::numbers::pi_v<float>, Vec3f::UnitY())),
              {-0.03f, 0.012f, 0.05f}};
     TubeContact contact(tube_, scope_, grip_);
@@ -145,9 +145,9 @@ TEST_F(TubeContactTest, ABladeSweptAcrossDoesNotPassThrough) {
     }
 }
 
-TEST_F(TubeContactTest, PushesTissueOutOfItsWayAndIsPushedBack) {
-    // A free particle beside the tip, overlapping by half a millimetre.
-    // The second one lies at the origin, in no channel, and is met by nothing.
+TEST_F(TubeContactTest, PushesTissueAndFeelsReaction) {
+    // A free particle beside the tip, overlapping by half a millimetre. The second one lies at the origin, in
+    // no channel, and touches nothing.
     particles_.resize(2);
     particles_.radius[0] = 0.5e-3f;
     particles_.inverse_mass[0] = 1.0f / 8e-6f;
@@ -161,12 +161,13 @@ TEST_F(TubeContactTest, PushesTissueOutOfItsWayAndIsPushedBack) {
     EXPECT_LT(nodes_.back().x(), 0.0f) << "Newton's third law; later the tip swings";
 }
 
-// Drawn along a row of particles that press on it from one side and are held by springs, the tube is held
-// back by its coefficient times what they press with (Coulomb), and they are carried along by as much.
-TEST_F(TubeContactTest, IsHeldBackByTheTissueItSlidesAlong) {
+// Pulled along a row of particles that press on it from one side and are held by springs, the tube
+// experiences friction of its coefficient times the normal force (Coulomb), and the particles are dragged by
+// as much.
+TEST_F(TubeContactTest, TissueFrictionFollowsCoulomb) {
     constexpr std::size_t count = 12;
     constexpr float spring = 20.0f;  // [N/m] each
-    tube_.youngs_modulus *= 300.0f;  // does not sag from between them
+    tube_.youngs_modulus *= 300.0f;  // does not sag between them
     const float meet = 0.5f * tube_.outer_diameter + 1e-3f;
     particles_.resize(count);
     std::vector<Vec3f> home(count);
@@ -174,7 +175,7 @@ TEST_F(TubeContactTest, IsHeldBackByTheTissueItSlidesAlong) {
         particles_.radius[i] = 1e-3f;
         particles_.inverse_mass[i] = 1.0f / 3e-5f;
         particles_.channels[i] = pbd::channel::tube;
-        // Opposite each other, so that the tube stays straight.
+        // On opposite sides, so that the tube stays straight.
         const float side = i % 2 == 0 ? 1.0f : -1.0f;
         home[i] = {side * (meet - 1e-3f), 0, 20e-3f + 2e-3f * static_cast<float>(i / 2)};
         particles_.position[i] = home[i] + Vec3f(side * 1e-3f, 0, 0);
@@ -186,7 +187,7 @@ TEST_F(TubeContactTest, IsHeldBackByTheTissueItSlidesAlong) {
             RigidTransform to = grip_;
             to.translation.z() -= speed * step_duration;
             step(contact, to, [&](std::size_t i) {
-                // Overdamped, as tissue is.
+                // Overdamped, like tissue.
                 const float share = spring * particles_.inverse_mass[i] * tube_dt * tube_dt;
                 particles_.predicted[i] = particles_.position[i] + share * (home[i] - particles_.position[i]);
             });
@@ -209,10 +210,10 @@ TEST_F(TubeContactTest, IsHeldBackByTheTissueItSlidesAlong) {
     }
 }
 
-TEST_F(TubeContactTest, SagsUnderItsOwnWeightAsABeamDoes) {
+TEST_F(TubeContactTest, SagMatchesBeamTheory) {
     tube_.length = 0.1f;
     tube_.grip_from_tip = 0.1f;
-    // Gravity is +y: the patient lies on its back.
+    // Gravity is +y: the patient is supine.
     grip_ = {Quatf::Identity(), Vec3f::Zero()};
     TubeContact contact(tube_, scope_, grip_);
     for (int k = 0; k < 3 * steps_per_second; ++k) {
@@ -225,13 +226,13 @@ TEST_F(TubeContactTest, SagsUnderItsOwnWeightAsABeamDoes) {
     const float weight = 1300.0f * area * 9.81f;
     const float sag = weight * std::pow(tube_.length, 4.0f) / (8.0f * tube_.bending_stiffness());
     EXPECT_NEAR(nodes_.back().y(), sag, 0.05f * sag);
-    // What the hand carries: all of its weight, and the connector's.
+    // The hand carries the full weight, including the connector's.
     const float carried = weight * tube_.length + 9.81f * pbd::RodSettings{}.connector_mass;
     EXPECT_NEAR(contact.grip_wrench().force.y(), carried, 0.05f * carried);
 }
 
-// Pushed straight onto the floor the tube pushes back along itself, and no more once it is drawn back.
-TEST_F(TubeContactTest, TheHandFeelsWhatTheTubeMeets) {
+// Pushed straight onto the floor the tube pushes back axially, and no longer once it is drawn back.
+TEST_F(TubeContactTest, GripFeelsContactForce) {
     // The tip is round and as thick as the tube.
     grip_ = pointing_down({0, 0, tube_.grip_from_tip + 4e-3f});
     shell_ = floor_grid();
@@ -249,22 +250,22 @@ TEST_F(TubeContactTest, TheHandFeelsWhatTheTubeMeets) {
     EXPECT_NEAR(push(4e-3f), free, 1e-3f);
 }
 
-/// A place in the newborn where a tube lies on an arc from before the lips to its tip at a landmark, or
-/// beyond.
+/// A pose in the newborn in which the tube lies on an arc from in front of the lips to its tip at a landmark,
+/// or beyond.
 struct Lying {
     const char* name;
     Landmark tip;
-    float turned;  ///< [rad], how far the tip points from backwards towards the feet
+    float turned;  ///< [rad], angle of the tip from backwards towards the feet
     float radius;  ///< [m], of the arc
     const char* of;
     float youngs_modulus;  ///< [Pa]
     float beyond = 0.0f;   ///< [m], of the arc
 };
 
-/// A hand that holds a tracked tube feels nothing and pushes on where there is no way.
-class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Lying> {
+/// A hand that holds a tracked tube without feedback and keeps pushing against resistance.
+class PushedTube : public TubeContactTest, public ::testing::WithParamInterface<Lying> {
   protected:
-    PushedOn() {
+    PushedTube() {
         anatomy::Posture open;
         open.jaw_opening = 29.0f * std::numbers::pi_v<float> / 180.0f;  // as in the scenarios
         const anatomy::Patient& newborn = test::coarse_newborn();
@@ -277,7 +278,7 @@ class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Ly
         const RigidTransform landmark{Quatf(axes),
                                       newborn.landmarks[static_cast<std::size_t>(GetParam().tip)].rest};
         const RigidTransform tip = landmark * along_arc(1.0f / GetParam().radius, GetParam().beyond);
-        // The fingers hold it 15 mm before the lips.
+        // The fingers hold it 15 mm in front of the lips.
         const float lips = newborn.landmarks[static_cast<std::size_t>(Landmark::mouth_opening)].rest.y();
         float length = 0.0f;
         do {
@@ -290,14 +291,14 @@ class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Ly
         tube_.grip_from_tip = length;
         tube_.length = length + 20e-3f;
     }
-    /// A step after which no node may lie in the shell.
+    /// A step after which no node may be inside the shell.
     void step_and_look(TubeContact& contact, const RigidTransform& to) {
         step(contact, to);
         for (const Vec3f& node : nodes_) {
             deepest_ = std::min(deepest_, shell_.distance(node));
         }
     }
-    /// The greatest speed [m/s] of the tip in the third second after the grip has gone to `to` at 0.2 m/s.
+    /// Maximum speed [m/s] of the tip in the third second after the grip has moved to `to` at 0.2 m/s.
     float rests_at(TubeContact& contact, const RigidTransform& to) {
         const RigidTransform from = grip_;
         const int count = std::max(
@@ -317,11 +318,11 @@ class PushedOn : public TubeContactTest, public ::testing::WithParamInterface<Ly
     }
 
     RigidTransform held_;
-    float narrowest_ = 1.0f;  ///< [m], of the way on which it lies at first
-    float deepest_ = 1.0f;    ///< [m], to the shell; negative: in it
+    float narrowest_ = 1.0f;  ///< [m], along the initial path
+    float deepest_ = 1.0f;    ///< [m], to the shell; negative: inside it
 };
 
-TEST_P(PushedOn, ItRestsAndPassesNoWall) {
+TEST_P(PushedTube, ComesToRestWithoutCrossingWall) {
     ASSERT_GT(narrowest_, 0.0f);
     Tube bent = tube_;
     bent.curve_radius = GetParam().radius;
@@ -342,7 +343,7 @@ TEST_P(PushedOn, ItRestsAndPassesNoWall) {
     }
 }
 
-/// Bare, and with a stylet as the scenarios have it.
+/// Bare, and with a stylet as in the scenarios.
 std::vector<Lying> everywhere() {
     std::vector<Lying> all;
     for (const auto& [of, modulus] : {std::pair("Bare", 15e6f), std::pair("WithAStylet", 40e6f)}) {
@@ -357,7 +358,7 @@ std::vector<Lying> everywhere() {
     return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, PushedOn, ::testing::ValuesIn(everywhere()),
+INSTANTIATE_TEST_SUITE_P(Places, PushedTube, ::testing::ValuesIn(everywhere()),
                          [](const auto& lying) { return std::string(lying.param.name) + lying.param.of; });
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// The entry points of OpenHaptics' HD layer, as the vendor documents them, with a simulated device in a
-// hand that holds it behind them. Shares no declaration with the driver that it tests.
+// The entry points of OpenHaptics' HD layer, as the vendor documents them, backed by a simulated device in a
+// hand. Shares no declaration with the driver under test.
 #include "tests/unit/devices/sensor/stand_in/openhaptics.hpp"
 
 #include <chrono>
@@ -59,7 +59,7 @@ void hdEnable(unsigned int what) {
 }
 void hdBeginFrame(unsigned int) {
     if (!state.frozen) {
-        // Trembles by a tenth of a millimetre at 10 Hz, as hands do.
+        // Tremor of a tenth of a millimetre at 10 Hz.
         const float tremble = 1e-4f * std::sin(0.063f * static_cast<float>(++frames));
         hand.step({eti::Quatf::Identity(), {0.01f, 0.02f + tremble, 0.03f}}, wrench, 1e-3f);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// The entry points of libspnav over a pipe: one event is what one write put in.
+// The entry points of libspnav over a pipe: one write is one event.
 #include "tests/unit/devices/sensor/stand_in/spacenav.hpp"
 
 #include <spnav.h>

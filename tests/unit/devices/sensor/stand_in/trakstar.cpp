@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 //
-// The entry points of Ascension's 3D Guidance API, as the vendor documents them, with a sensor that turns
-// slowly about the transmitter's z axis behind them. Shares no declaration with the driver that it tests.
+// The entry points of Ascension's 3D Guidance API, as the vendor documents them, backed by a sensor that
+// rotates slowly about the transmitter's z axis. Shares no declaration with the driver under test.
 #include "tests/unit/devices/sensor/stand_in/trakstar.hpp"
 
 #include <chrono>

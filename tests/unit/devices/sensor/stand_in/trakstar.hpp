@@ -7,10 +7,10 @@
 
 namespace eti::stand_in {
 
-/// What a test may do to the 3D Guidance stand-in, by its function stand_in_trakstar().
+/// Controls of the 3D Guidance stand-in for a test, returned by its function stand_in_trakstar().
 struct TrakstarState {
     std::atomic<bool> plugged{true};
-    std::atomic<bool> frozen{false};  ///< the records' time stands still
+    std::atomic<bool> frozen{false};  ///< the records' timestamps do not advance
     std::atomic<int> status{0};       ///< of the sensor
     std::atomic<double> rate{80.0};   ///< [1/s], new records
     std::atomic<bool> not_finite{false};

@@ -13,7 +13,7 @@ namespace {
 
 using test::expect_refused;
 
-/// What one slice says of itself.
+/// Attributes of one slice.
 struct Slice {
     Vec3d position = Vec3d::Zero();  ///< [mm]
     std::string series = "1.2.3";
@@ -66,7 +66,7 @@ void write_slice(const std::filesystem::path& file, const Slice& slice) {
     ASSERT_TRUE(writer.Write());
 }
 
-/// Replaces what a file says under a tag by a decimal text; empty: the tag goes.
+/// Replaces the value of a tag in a file by a decimal text; empty: removes the tag.
 void put_text(const std::filesystem::path& file, const gdcm::Tag& tag, std::string text) {
     gdcm::Reader reader;
     reader.SetFileName(file.c_str());
@@ -99,9 +99,9 @@ class Dicom : public test::Folder {
     }
 };
 
-TEST_F(Dicom, SeriesIsStackedByPlace) {
+TEST_F(Dicom, SlicesAreStackedByPosition) {
     write_series(5);
-    const Reading reading = read(folder);
+    const LoadedVolume reading = read(folder);
     const Geometry& g = reading.volume.geometry;
     EXPECT_EQ(g.size, (std::array<int, 3>{8, 6, 5}));
     EXPECT_LT((g.origin - Vec3d(10e-3, 20e-3, 30e-3)).norm(), 1e-9);
@@ -128,7 +128,7 @@ TEST_F(Dicom, MissingSliceIsRefused) {
     expect_refused(folder, "mm apart");  // slice 4 of 7
 }
 
-TEST_F(Dicom, CutOffFileIsRefused) {
+TEST_F(Dicom, TruncatedFileIsRefused) {
     write_series(5);
     const auto file = folder / "2.dcm";
     std::filesystem::resize_file(file, std::filesystem::file_size(file) - 30);
@@ -148,19 +148,19 @@ TEST_F(Dicom, OtherModalityIsRefused) {
     expect_refused(folder, "MR");
 }
 
-TEST_F(Dicom, LargestSeriesIsTakenAndTheOtherNamed) {
+TEST_F(Dicom, LargestSeriesIsUsedAndOthersReported) {
     write_series(5);
     Slice scout;
     scout.series = "9.9.9";
     write_series(2, scout, "scout-");
     std::ofstream(folder / "readme.txt") << "not DICOM";
-    const Reading reading = read(folder);
+    const LoadedVolume reading = read(folder);
     EXPECT_EQ(reading.volume.geometry.size[2], 5);
     ASSERT_EQ(reading.remarks.size(), 2u);
     EXPECT_NE(reading.remarks[0].find("9.9.9"), std::string::npos) << reading.remarks[0];
 }
 
-TEST_F(Dicom, SpacingAndDirectionsThatNobodyCanMeanAreRefused) {
+TEST_F(Dicom, InvalidSpacingOrOrientationIsRefused) {
     const gdcm::Tag spacing(0x0028, 0x0030), directions(0x0020, 0x0037);
     const auto tried = [&](const gdcm::Tag& tag, const std::string& text, const std::string& said) {
         SCOPED_TRACE(text);
@@ -217,8 +217,8 @@ TEST_F(Dicom, DamagedFilesAreRefusedOrHarmless) {
         const std::filesystem::path file = folder / (std::to_string(which) + ".dcm");
         write_bytes(file, data);
         try {
-            // In a child process: whatever a library does there, here it is a refusal.
-            const Reading reading = read(folder, {.processor_seconds = 10});
+            // In a child process: any failure of the library becomes an error there.
+            const LoadedVolume reading = read(folder, {.processor_seconds = 10});
             EXPECT_EQ(reading.volume.value.size(), reading.volume.geometry.count());
             require_finite(reading.volume, "round");
         } catch (const VolumeError& error) {
@@ -227,7 +227,7 @@ TEST_F(Dicom, DamagedFilesAreRefusedOrHarmless) {
         }
         write_bytes(file, whole[which]);
     }
-    // Pixels may change unnoticed; tags and lengths may not.
+    // Changed pixels may go unnoticed; changed tags and lengths may not.
     EXPECT_GT(refusals, rounds / 10);
     EXPECT_LT(refusals, rounds);
 }

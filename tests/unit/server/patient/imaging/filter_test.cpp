@@ -32,7 +32,7 @@ Bits empty() {
     return Bits(at(size[0] - 1, size[1] - 1, size[2] - 1) + 1, 0);
 }
 
-TEST(Filter, DistanceIsThatOfTheNearestSetVoxel) {
+TEST(Filter, DistanceMatchesNearestSetVoxel) {
     Random random(4);
     Bits mask = empty();
     std::vector<std::array<int, 3>> set;
@@ -56,7 +56,7 @@ TEST(Filter, DistanceIsThatOfTheNearestSetVoxel) {
     EXPECT_GT(distance_to(size, empty())[0], 1e9f);
 }
 
-TEST(Filter, ClosingFillsWhatTheBallCannotEnter) {
+TEST(Filter, ClosingFillsGapsNarrowerThanBall) {
     // A block with a slot one voxel wide and a channel five voxels wide.
     Bits mask = empty();
     for_each([&](int x, int y, int z) {
@@ -64,10 +64,10 @@ TEST(Filter, ClosingFillsWhatTheBallCannotEnter) {
         const bool channel = x >= 8 && x <= 12 && y > 3;
         mask[at(x, y, z)] = y < 10 && !slot && !channel ? 1 : 0;
     });
-    const Bits closed = close(size, mask, 1.5f);
+    const Bits closed = morphological_close(size, mask, 1.5f);
     EXPECT_EQ(closed[at(4, 6, 5)], 1);
     EXPECT_EQ(closed[at(10, 6, 5)], 0);
-    // Nothing grows beyond the block, not even where it meets the volume's faces.
+    // Nothing grows beyond the block, not even at the volume's faces.
     for_each([&](int x, int y, int z) {
         if (y >= 10) {
             ASSERT_EQ(closed[at(x, y, z)], 0) << x << " " << y << " " << z;
@@ -75,7 +75,7 @@ TEST(Filter, ClosingFillsWhatTheBallCannotEnter) {
     });
 }
 
-TEST(Filter, SmoothingWithinAMaskIgnoresTheRest) {
+TEST(Filter, MaskedSmoothingIgnoresOutside) {
     Bits mask = empty();
     std::vector<float> value(mask.size(), -1000.0f);
     for_each([&](int x, int y, int z) {
@@ -89,7 +89,7 @@ TEST(Filter, SmoothingWithinAMaskIgnoresTheRest) {
     EXPECT_NEAR(mean[at(8, 6, 5)], 50.0f, 1e-3f);  // beside the mask
 }
 
-TEST(Filter, WatershedPartsAtTheNeck) {
+TEST(Filter, WatershedSplitsAtNeck) {
     // Two balls of radius 4 that overlap in a neck.
     Bits mask = empty();
     for_each([&](int x, int y, int z) {
@@ -105,7 +105,7 @@ TEST(Filter, WatershedPartsAtTheNeck) {
     }
     const std::vector<float> depth = distance_to(size, rest);
     Bits markers = empty();
-    markers[at(1, 6, 5)] = 1;  // not in the balls' middles
+    markers[at(1, 6, 5)] = 1;  // not at the balls' centres
     markers[at(14, 6, 5)] = 2;
     const Watershed parts = watershed(size, mask, depth, markers);
     for_each([&](int x, int y, int z) {

@@ -10,7 +10,7 @@ namespace {
 
 using test::sample;
 
-/// Every format whose reader is ours, as a whole file.
+/// Every format with a reader of our own, as a complete file.
 std::vector<std::pair<std::string, Bytes>> seeds() {
     Bytes data;
     for (const float v : sample().value) {
@@ -40,15 +40,15 @@ std::vector<std::pair<std::string, Bytes>> seeds() {
             {"inv3", tar}};
 }
 
-/// True where the bytes were accepted, and then the volume is whole; anything but this and a VolumeError
-/// ends the test.
+/// Returns whether the bytes were accepted; the volume is valid then. Any other outcome than this and a
+/// VolumeError ends the test.
 bool accepted(const std::string& kind, const Bytes& data) {
     try {
         const Volume volume = kind == "nrrd"   ? parse_nrrd(data, "file")
                               : kind == "inv3" ? parse_inv3(data, "file")
                                                : parse_nifti(data, "file");
         EXPECT_EQ(volume.value.size(), volume.geometry.count()) << kind;
-        require_sound(volume.geometry, "file");
+        require_valid(volume.geometry, "file");
         return true;
     } catch (const VolumeError& error) {
         EXPECT_EQ(std::string(error.what()).rfind("file: ", 0), 0u) << error.what();
@@ -59,7 +59,7 @@ bool accepted(const std::string& kind, const Bytes& data) {
 TEST(Fuzz, TruncatedVolumesAreRefused) {
     for (const auto& [kind, whole] : seeds()) {
         ASSERT_TRUE(accepted(kind, whole)) << kind;
-        // The archive ends in empty blocks, and compressed data in a checksum, that nobody needs.
+        // The archive ends in empty blocks, and compressed data in a checksum, which are not required.
         const std::size_t needed = whole.size() - (kind == "inv3" ? 1200 : 16);
         for (std::size_t length = 0; length < needed; length += 1 + length / 50) {
             const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));

@@ -35,13 +35,13 @@ std::vector<float> sampled(const DistanceGrid& grid, const Field& field) {
 double volume_of(const DistanceGrid& grid) {
     double voxels = 0.0;
     for (const float v : grid.value) {
-        // Linear across the border voxel, so that the volume is known better than to a voxel.
+        // Linear across the border voxel, so that the volume is more accurate than a voxel.
         voxels += static_cast<double>(std::clamp(0.5f - v / grid.spacing, 0.0f, 1.0f));
     }
     return voxels * 1e-9;
 }
 
-TEST(LevelSet, SeedFillsTheBallThatTheSpeedTells) {
+TEST(LevelSet, SeedFillsRegionOfPositiveSpeed) {
     DistanceGrid grid = cube();
     grid.value = sampled(grid, [](const Vec3f& p) { return (p - Vec3f(4e-3f, 0, 0)).norm() - 3e-3f; });
     const auto speed =
@@ -52,7 +52,7 @@ TEST(LevelSet, SeedFillsTheBallThatTheSpeedTells) {
     EXPECT_NEAR(volume_of(front), expected, 4.0 * M_PI * 14e-3 * 14e-3 * 0.1e-3);
 }
 
-TEST(LevelSet, CurvatureAloneShrinksABallAsItMust) {
+TEST(LevelSet, CurvatureFlowMatchesShrinkingBall) {
     // dr/dt = -2 b / r, so r^2 = r0^2 - 4 b t; a step lasts `step` voxels of time.
     DistanceGrid grid = cube();
     grid.value = sampled(grid, [](const Vec3f& p) { return p.norm() - 12e-3f; });
@@ -60,15 +60,16 @@ TEST(LevelSet, CurvatureAloneShrinksABallAsItMust) {
     constexpr float b = 0.5e-3f;
     constexpr int steps = 100;
     const float step = std::min(0.4f, 1.0f / (1.0f + 6.0f * b / grid.spacing));
-    const DistanceGrid front = evolve(grid, still, {.curvature = b, .most_steps = steps, .rest = 0.0f});
+    const DistanceGrid front = evolve(grid, still, {.curvature = b, .max_steps = steps, .rest = 0.0f});
     const double time = steps * static_cast<double>(step) * 1e-3;
     const double radius = std::sqrt(12e-3 * 12e-3 - 4.0 * 0.5e-3 * time);
-    // Each of the 20 new distances cuts the bend by up to h^2 / (4 r) (common/mesh/distance.hpp).
+    // Each of the 20 redistancing steps flattens the curvature by up to h^2 / (4 r)
+    // (common/mesh/distance.hpp).
     EXPECT_NEAR(std::cbrt(volume_of(front) * 3.0 / 4.0 / M_PI), radius, 20.0 * 1e-6 / (4.0 * 11e-3));
     EXPECT_LT(radius, 10.5e-3) << "nothing to see";
 }
 
-TEST(LevelSet, AskedToStopItStops) {
+TEST(LevelSet, StopsOnRequest) {
     DistanceGrid grid = cube();
     grid.value = sampled(grid, [](const Vec3f& p) { return p.norm() - 3e-3f; });
     const std::vector<float> outwards(grid.value.size(), 1.0f);

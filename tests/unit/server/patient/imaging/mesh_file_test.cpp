@@ -54,7 +54,7 @@ std::string obj() {
     for (const auto& v : corner) {
         out += fmt::format("v {} {} {}\nvn 0 0 1\n", v[0], v[1], v[2]);
     }
-    // Each way to name a corner: alone, with texture and normal, from the end.
+    // Each syntax for a corner: alone, with texture and normal, from the end.
     return out + "f 1 3 2\nf 1/1/1 2/1/1 4/1/1\nf 1//1 4//1 3//1\nf -3 -2 -1\n";
 }
 
@@ -114,7 +114,7 @@ TEST(MeshFile, EveryFormatGivesTheSameClosedSolid) {
         EXPECT_EQ(mesh.vertices.size(), 4u) << name << ": corners at one place are one vertex";
         EXPECT_EQ(mesh.triangles.size(), 4u) << name;
         const MeshReport report = check(mesh);
-        EXPECT_TRUE(report.sound()) << name << ": " << report.describe();
+        EXPECT_TRUE(report.is_valid()) << name << ": " << report.describe();
         EXPECT_NEAR(1e9 * report.volume, 1000.0, 1e-3) << name << ": millimetres, outwards";
     }
 }
@@ -125,7 +125,7 @@ TEST(MeshFile, RasOf3dSlicerBecomesLps) {
     for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(ras.vertices[i], Vec3f(-lps.vertices[i].x(), -lps.vertices[i].y(), lps.vertices[i].z()));
     }
-    EXPECT_TRUE(check(ras).sound());
+    EXPECT_TRUE(check(ras).is_valid());
     EXPECT_GT(check(ras).volume, 0.0);
 }
 
@@ -143,7 +143,7 @@ std::string refusal(const Bytes& data, const std::string& name) {
     return "";
 }
 
-TEST(MeshFile, MistakesAreNamedWithPlaceAndRemedy) {
+TEST(MeshFile, ErrorsNameLineAndRemedy) {
     const auto expect = [](const std::string& text, const std::string& name, const char* finding) {
         const std::string said = refusal(bytes_of(text), name);
         EXPECT_NE(said.find(finding), std::string::npos) << finding << " not in: " << said;
@@ -193,7 +193,7 @@ class MeshFiles : public test::Folder {};
 
 TEST_F(MeshFiles, AreReadInAChildProcess) {
     write_bytes(folder / "a.stl", binary_stl());
-    EXPECT_TRUE(check(read_mesh(folder / "a.stl")).sound());
+    EXPECT_TRUE(check(read_mesh(folder / "a.stl")).is_valid());
     EXPECT_THROW((void)read_mesh(folder / "none.stl"), VolumeError);
 }
 

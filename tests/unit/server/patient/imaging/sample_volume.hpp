@@ -14,7 +14,7 @@
 
 namespace eti::imaging::test {
 
-/// A rotated, anisotropic volume in which every voxel has its own value.
+/// A rotated, anisotropic volume in which every voxel has a distinct value.
 inline Volume sample() {
     Volume volume;
     volume.geometry.size = {7, 6, 5};
@@ -30,12 +30,12 @@ inline Volume sample() {
 
 inline void expect_same(const Volume& a, const Volume& b) {
     EXPECT_EQ(a.geometry.size, b.geometry.size);
-    EXPECT_LT((a.geometry.origin - b.geometry.origin).norm(), 1e-8);  // NIfTI keeps places as floats
+    EXPECT_LT((a.geometry.origin - b.geometry.origin).norm(), 1e-8);  // NIfTI stores positions as floats
     EXPECT_LT((a.geometry.step - b.geometry.step).norm(), 1e-9);
     EXPECT_EQ(a.value, b.value);
 }
 
-/// A folder that goes when the test ends.
+/// A folder that is removed when the test ends.
 class Folder : public ::testing::Test {
   protected:
     Folder()
@@ -55,7 +55,7 @@ class Folder : public ::testing::Test {
     std::filesystem::path folder;
 };
 
-/// Reads a file that must be refused; the message names the file, `said`, and a remedy.
+/// Reads a file that must be rejected; the message names the file, `said`, and a remedy.
 inline void expect_refused(const std::filesystem::path& file, const std::string& said,
                            const GuardLimits& limits = {}) {
     try {

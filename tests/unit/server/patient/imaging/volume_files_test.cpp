@@ -24,7 +24,7 @@ Bytes i16(const Volume& volume) {
     return data;
 }
 
-/// A plain NRRD with one header field changed, or left out where `value` is empty.
+/// A plain NRRD with one header field changed, or omitted if `value` is empty.
 Bytes nrrd_with(const std::string& field, const std::string& value, const Bytes& data,
                 const std::string& type = "short") {
     std::string text = "NRRD0004\n";
@@ -49,7 +49,7 @@ Bytes nrrd_with(const std::string& field, const std::string& value, const Bytes&
     return out;
 }
 
-TEST_F(VolumeFiles, WhatIsWrittenIsRead) {
+TEST_F(VolumeFiles, RoundTripPreservesVolume) {
     for (const char* name : {"a.nrrd", "a.nii", "a.nii.gz"}) {
         write(sample(), folder / name);
         SCOPED_TRACE(name);
@@ -58,7 +58,7 @@ TEST_F(VolumeFiles, WhatIsWrittenIsRead) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 3) << "a partial file was left";
 }
 
-TEST_F(VolumeFiles, LabelsAreKept) {
+TEST_F(VolumeFiles, RoundTripPreservesLabels) {
     Mask labels{sample().geometry, {}};
     for (std::size_t i = 0; i < labels.geometry.count(); ++i) {
         labels.value.push_back(static_cast<std::uint8_t>(i % 9));
@@ -70,7 +70,7 @@ TEST_F(VolumeFiles, LabelsAreKept) {
     }
 }
 
-TEST_F(VolumeFiles, BigEndianNrrdIsTurned) {
+TEST_F(VolumeFiles, BigEndianNrrdIsByteSwapped) {
     Bytes data = i16(sample());
     for (std::size_t i = 0; i < data.size(); i += 2) {
         std::swap(data[i], data[i + 1]);
@@ -78,7 +78,7 @@ TEST_F(VolumeFiles, BigEndianNrrdIsTurned) {
     EXPECT_EQ(read(put("big.nrrd", nrrd_with("endian", "big", data))).volume.value, sample().value);
 }
 
-TEST_F(VolumeFiles, RasIsTurnedIntoLps) {
+TEST_F(VolumeFiles, RasIsConvertedToLps) {
     const Volume volume =
         read(put("ras.nrrd", nrrd_with("space", "right-anterior-superior", i16(sample())))).volume;
     EXPECT_LT((volume.geometry.origin - Vec3d(-1e-3, -2e-3, 3e-3)).norm(), 1e-12);
@@ -113,7 +113,7 @@ TEST_F(VolumeFiles, BadNrrdHeadersAreRefused) {
     refused("sizes", "7 6 5000", "bytes of voxels");
 }
 
-TEST_F(VolumeFiles, NotANumberIsRefusedWithItsPlace) {
+TEST_F(VolumeFiles, NanVoxelIsRefusedWithItsIndex) {
     Bytes data;
     for (int i = 0; i < 7 * 6 * 5; ++i) {
         store(data, i == 7 + 2 ? std::numeric_limits<float>::quiet_NaN() : 0.0f);
@@ -121,7 +121,7 @@ TEST_F(VolumeFiles, NotANumberIsRefusedWithItsPlace) {
     expect_refused(put("nan.nrrd", nrrd_with("type", "float", data, "float")), "(2, 1, 0)");
 }
 
-TEST_F(VolumeFiles, CutOffFilesAreRefused) {
+TEST_F(VolumeFiles, TruncatedFilesAreRefused) {
     for (const char* name : {"a.nrrd", "a.nii", "a.nii.gz"}) {
         write(sample(), folder / name);
         const Bytes whole = read_bytes(folder / name);
@@ -133,10 +133,10 @@ TEST_F(VolumeFiles, CutOffFilesAreRefused) {
     }
 }
 
-TEST_F(VolumeFiles, NiftiOfTheOtherByteOrderIsTurned) {
+TEST_F(VolumeFiles, NiftiOfOtherByteOrderIsSwapped) {
     const Volume volume = sample();
     Bytes file = encode_nifti(volume.geometry, Scalar::i16, i16(volume));
-    // Turn every number of the header and all voxels.
+    // Byte-swaps every number of the header and all voxels.
     const auto turn = [&](std::size_t at, std::size_t size, std::size_t count) {
         for (std::size_t k = 0; k < count; ++k, at += size) {
             std::reverse(file.begin() + static_cast<std::ptrdiff_t>(at),
@@ -153,7 +153,7 @@ TEST_F(VolumeFiles, NiftiOfTheOtherByteOrderIsTurned) {
     expect_same(read(put("turned.nii", file)).volume, volume);
 }
 
-TEST_F(VolumeFiles, NiftiQuaternionTellsDirections) {
+TEST_F(VolumeFiles, NiftiQuaternionGivesDirections) {
     Volume volume = sample();
     Bytes file = encode_nifti(volume.geometry, Scalar::i16, i16(volume));
     const auto put_at = [&](std::size_t at, auto value) {
@@ -164,7 +164,7 @@ TEST_F(VolumeFiles, NiftiQuaternionTellsDirections) {
     expect_refused(unoriented, "directions");
     put_at(252, std::int16_t{1});
     put_at(76, 1.0f);
-    // In RAS, the quaternion of the rotation that maps index axes.
+    // In RAS, the quaternion of the rotation that maps the index axes.
     Eigen::Matrix3d ras = Vec3d(-1, -1, 1).asDiagonal() * volume.geometry.step;
     for (int k = 0; k < 3; ++k) {
         ras.col(k).normalize();
@@ -196,8 +196,8 @@ TEST_F(VolumeFiles, UnknownAndMissingFilesAreRefused) {
     expect_refused(folder, "DICOM");
 }
 
-TEST_F(VolumeFiles, OtherUnitsThanMillimetresAreRefused) {
-    // 0.6 x 0.6 x 3 mm written in metres, in micrometres, and with two of the three forgotten.
+TEST_F(VolumeFiles, NonMillimetreUnitsAreRefused) {
+    // 0.6 x 0.6 x 3 mm written in metres, in micrometres, and with two of the three units missing.
     const Bytes data = i16(sample());
     for (const auto& [directions, said] : std::vector<std::pair<std::string, std::string>>{
              {"(0.0006,0,0) (0,0.0006,0) (0,0,0.003)", "in metres"},
@@ -207,7 +207,7 @@ TEST_F(VolumeFiles, OtherUnitsThanMillimetresAreRefused) {
     }
 }
 
-TEST_F(VolumeFiles, NothingButAFileIsReplaced) {
+TEST_F(VolumeFiles, OnlyRegularFilesAreOverwritten) {
     ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
     EXPECT_THROW(write(sample(), folder / "pipe.nrrd"), VolumeError);
     EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe.nrrd"));
@@ -215,7 +215,7 @@ TEST_F(VolumeFiles, NothingButAFileIsReplaced) {
     write(sample(), folder / "a.nrrd");
 }
 
-TEST_F(VolumeFiles, CompressedBombStopsAtTheSizeTheHeaderTells) {
+TEST_F(VolumeFiles, DecompressionBombStopsAtHeaderSize) {
     const Bytes zeros(std::size_t{64} << 20, 0);
     const auto file = put("bomb.nrrd", nrrd_with("encoding", "gzip", gzip(zeros)));
     EXPECT_EQ(read(file).volume.value.size(), 7u * 6u * 5u);
@@ -231,7 +231,7 @@ TEST_F(VolumeFiles, MemoryIsLimited) {
 }
 #endif
 
-TEST_F(VolumeFiles, FailedWritingLeavesNothing) {
+TEST_F(VolumeFiles, FailedWriteLeavesNoFile) {
     EXPECT_THROW(write(sample(), folder / "missing" / "a.nrrd"), VolumeError);
     EXPECT_THROW(write(sample(), folder / "a.png"), VolumeError);
     EXPECT_TRUE(std::filesystem::is_empty(folder));

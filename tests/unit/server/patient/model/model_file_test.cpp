@@ -44,7 +44,7 @@ void expect_same(const CarriedPoint& a, const CarriedPoint& b) {
     expect_same(std::vector{a.skin}, std::vector{b.skin});
 }
 
-TEST_F(ModelFile, EveryFieldComesBackToTheBit) {
+TEST_F(ModelFile, EveryFieldRoundTripsExactly) {
     const Patient saved = random_patient(500, 40, 9);
     save_patient(saved, path, {{"generator", "test"}, {"spacing_m", "0.002"}});
     const Patient loaded = load_patient(path);
@@ -96,7 +96,7 @@ TEST_F(ModelFile, EveryFieldComesBackToTheBit) {
         << "leaves nothing beside the model";
 }
 
-/// What save_patient says of a patient that `spoil` has made wrong.
+/// The error of save_patient for a patient corrupted by `spoil`.
 std::string refusal(const std::filesystem::path& path, const std::function<void(Patient&)>& spoil) {
     Patient patient = random_patient(50, 5, 4);
     spoil(patient);
@@ -108,7 +108,7 @@ std::string refusal(const std::filesystem::path& path, const std::function<void(
     return {};
 }
 
-TEST_F(ModelFile, RefusesWhatTheServerCouldNotUse) {
+TEST_F(ModelFile, RefusesInvalidModels) {
     const auto expect_named = [&](const std::string& place, const std::function<void(Patient&)>& spoil) {
         const std::string text = refusal(path, spoil);
         EXPECT_NE(text.find(place), std::string::npos) << place << " is not named by: " << text;
@@ -140,7 +140,7 @@ TEST_F(ModelFile, RefusesWhatTheServerCouldNotUse) {
     expect_named("/shell/vertex_bones", [](Patient& p) { p.shell.vertex_bones.pop_back(); });
     expect_named("/shell/distance", [](Patient& p) { p.shell.distance.value[5] = INFINITY; });
     expect_named("/shell", [](Patient& p) { p.shell.distance.spacing = 0.0f; });
-    // Of these none goes with the head's frames.
+    // None of these is skinned to the head's frames.
     expect_named("/landmarks/skin_frame", [](Patient& p) {
         p.landmarks[3].skin = {{8, 0, 0, 0}, {1, 0, 0, 0}};
     });
@@ -174,7 +174,7 @@ TEST_F(ModelFile, RefusesMissingForeignAndTruncatedFiles) {
     EXPECT_NE(text().find(path.string()), std::string::npos) << "accepted a truncated file";
 }
 
-TEST_F(ModelFile, SaysWhereItCannotWrite) {
+TEST_F(ModelFile, ReportsUnwritablePath) {
     try {
         save_patient(random_patient(50, 5, 4), folder / "missing" / "patient.h5", {});
         FAIL() << "wrote into a folder that is not there";

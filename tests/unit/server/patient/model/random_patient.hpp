@@ -47,7 +47,7 @@ inline TriangleMesh random_mesh(Random& random, std::size_t vertices, std::size_
     return mesh;
 }
 
-/// A patient of random but valid numbers: every field must come back to the bit.
+/// A patient of random but valid numbers: every field must round-trip bit for bit.
 inline Patient random_patient(std::size_t particles, std::size_t clusters, int grid) {
     Random random(7);
     Patient patient;

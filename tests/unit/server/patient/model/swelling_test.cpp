@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "server/patient/model/stiffness.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/build/build.hpp"
 
 namespace eti::anatomy {
 namespace {
@@ -21,7 +21,7 @@ constexpr BuildSettings coarse{.spacing = 2.5e-3f, .fine_spacing = 2e-3f, .surfa
 Patient newborn(float tongue_scale, float stiffness = 8e3f) {
     BuildSettings settings = coarse;
     settings.tissue_stiffness = stiffness;
-    // Surfaces and shell, nine tenths of a build, are not looked at here: none are lent.
+    // Surfaces and shell, nine tenths of a build, are not needed here: none are passed.
     const Patient bare;
     return build_patient(NewbornShape{.tongue_scale = tongue_scale}, settings, &bare);
 }
@@ -49,7 +49,7 @@ bool of_tongue(const std::array<std::uint32_t, 4>& corners) {
                                [](std::uint32_t i) { return usual().particles.tissue[i] == Tissue::tongue; });
 }
 
-TEST(TongueSwelling, MovesNothingThatIsHeldOrNoTongue) {
+TEST(TongueSwelling, MovesOnlyFreeTongueParticles) {
     const std::vector<Vec3f> swelling = tongue_swelling(usual());
     const ParticleSet& set = usual().particles;
     ASSERT_EQ(swelling.size(), set.size());
@@ -80,9 +80,9 @@ TEST(TongueSwelling, LeftMirrorsRight) {
     EXPECT_NEAR(across / static_cast<double>(set.size()), 0.0, 1e-3 * most);
 }
 
-// A body that is free to grow gains three times as much in volume as in length, one that is held on all sides
-// but one (of nu = 0) as much. The tongue is held at bone and floor.
-TEST(TongueSwelling, GrowsByLessThanAFreeBodyWould) {
+// A body that grows freely gains three times as much in volume as in length; one that is held on all sides
+// but one (with nu = 0) as much. The tongue is held at bone and floor.
+TEST(TongueSwelling, GrowsLessThanUnconstrainedBody) {
     const std::vector<Vec3f> swelling = tongue_swelling(usual());
     constexpr float growth = 0.01f;
     double before = 0.0, after = 0.0;
@@ -97,9 +97,9 @@ TEST(TongueSwelling, GrowsByLessThanAFreeBodyWould) {
     EXPECT_GT(gain, 1.0);
 }
 
-TEST(TongueSwelling, TurnsNoTetrahedronInsideOut) {
+TEST(TongueSwelling, InvertsNoTetrahedron) {
     const std::vector<Vec3f> swelling = tongue_swelling(usual());
-    for (const float growth : {least_growth - 1.0f, -0.2f, 0.4f, most_growth - 1.0f}) {
+    for (const float growth : {min_growth - 1.0f, -0.2f, 0.4f, max_growth - 1.0f}) {
         double least = 1e9;
         for (const auto& corners : usual().tetrahedra.corners) {
             if (of_tongue(corners)) {
@@ -110,7 +110,7 @@ TEST(TongueSwelling, TurnsNoTetrahedronInsideOut) {
     }
 }
 
-/// How far the tongue reaches along an axis: the mean of the fifty particles that are farthest there [m].
+/// Extent of the tongue along an axis: the mean of the fifty farthest particles there [m].
 float reach(const Patient& patient, Eigen::Index axis, const std::vector<Vec3f>& swelling, float growth) {
     std::vector<float> far;
     for (std::size_t i = 0; i < patient.particles.size(); ++i) {
@@ -123,8 +123,8 @@ float reach(const Patient& patient, Eigen::Index axis, const std::vector<Vec3f>&
     return std::accumulate(far.begin(), far.begin() + 50, 0.0f) / 50.0f;
 }
 
-// Reference: the model built with that tongue. Both stand on lattices of 2.5 mm.
-TEST(TongueSwelling, RisesAndFillsTheThroatAsATongueBuiltLarger) {
+// Reference: the model built with that tongue. Both use lattices of 2.5 mm.
+TEST(TongueSwelling, MatchesTongueBuiltLarger) {
     const std::vector<Vec3f> swelling = tongue_swelling(usual());
     const Patient large = newborn(1.2f);
     for (const Eigen::Index axis : {1, 2}) {  // backwards and up
@@ -135,7 +135,7 @@ TEST(TongueSwelling, RisesAndFillsTheThroatAsATongueBuiltLarger) {
     }
 }
 
-TEST(Stiffness, SetAfterwardsIsTheSameAsBuilt) {
+TEST(Stiffness, SetLaterMatchesBuilt) {
     const Patient built = newborn(1.0f, 12e3f);
     Patient set = usual();
     set_tissue_stiffness(set, 12e3f);

@@ -9,28 +9,28 @@
 
 #include "common/math/units.hpp"
 #include "common/model/posture_range.hpp"
-#include "server/app/patient_cache.hpp"
+#include "server/app/run/patient_cache.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/patient/newborn/skinner.hpp"
+#include "server/patient/newborn/build/skinner.hpp"
 
 namespace eti::anatomy {
 namespace {
 
-// Asked for: an edge at most three times as long as at rest, however the head lies and the mouth opens. A
-// newborn's mouth is about 28 mm wide and opens by as much at 35 deg: its rim, at rest a slit of 56 mm, then
-// is at least a circle of that diameter, 88 mm or 1.6 times as long. Nothing bound to bones can do better on
-// average; three is that with the corners of the mouth stretched twice as much as the middle of the lips.
-constexpr float most_stretch = 3.0f;
-// The finest surfaces are cut to 0.3 mm. Slivers among their triangles have edges down to 0.05 mm, which
-// three times as long are still shorter than the others.
+// Requirement: an edge at most three times as long as at rest, for any posture of head and jaw. A newborn's
+// mouth is about 28 mm wide and opens by as much at 35 deg. Its rim, at rest a slit of 56 mm, then is at
+// least a circle of that diameter, 88 mm or 1.6 times as long. No skinning to bones can do better on average;
+// three is that with the corners of the mouth stretched twice as much as the middle of the lips.
+constexpr float max_stretch = 3.0f;
+// The finest surfaces are meshed at 0.3 mm. Slivers among their triangles have edges down to 0.05 mm, which
+// at three times the length are still shorter than the others.
 constexpr float shortest_built_edge = 2e-4f;  // [m]
 
-// Folds that hang on the epiglottis go with it at one end and with larynx or throat at the other, and weights
-// of nine frames and more are cut to eight there.
+// Folds at the epiglottis follow it at one end and larynx or throat at the other, and weights of nine frames
+// and more are truncated to eight there.
 constexpr float most_at_folds = 3.1f;
 
 struct Stretch {
-    float most = 0.0f;  // as a share of what is bearable there
+    float most = 0.0f;  // relative to the limit there
     Vec3f where = Vec3f::Zero();
 };
 
@@ -73,7 +73,7 @@ Stretch stretch(const Patient& patient, const Surface& surface, const Posture& p
             const bool fold = hung[a] || hung[b] || larynx[a] || larynx[b];
             const float ratio = length < shortest_built_edge ? 0.0f
                                                              : (now[a] - now[b]).norm() / length /
-                                                                   (fold ? most_at_folds : most_stretch);
+                                                                   (fold ? most_at_folds : max_stretch);
             if (ratio > found.most) {
                 found = {ratio, surface.mesh.vertices[a]};
             }
@@ -82,7 +82,7 @@ Stretch stretch(const Patient& patient, const Surface& surface, const Posture& p
     return found;
 }
 
-/// The newborns of the scenarios term and premature, from the cache where a server has built them.
+/// The newborns of the scenarios term and premature, from the cache if a server has built them.
 class BuildSkin : public testing::TestWithParam<NewbornShape> {
   protected:
     static const Patient& patient() {
@@ -95,7 +95,7 @@ class BuildSkin : public testing::TestWithParam<NewbornShape> {
     }
 };
 
-TEST_P(BuildSkin, NoPostureTearsIt) {
+TEST_P(BuildSkin, NoPostureTearsSkin) {
     for (const Surface& surface : patient().surfaces) {
         if (is_bone(surface.tissue)) {
             continue;
@@ -113,9 +113,9 @@ TEST_P(BuildSkin, NoPostureTearsIt) {
     }
 }
 
-TEST_P(BuildSkin, WeightsOfOneNeighbourAreThoseOfTheOther) {
-    // What is left of a sum of weights when neighbours are laid over each other: none where no frame carries
-    // both, as for one edge in twenty of soft tissue while each vertex went with its nearest particle.
+TEST_P(BuildSkin, NeighbouringVerticesShareFrames) {
+    // Overlap of neighbours' weights, summed: zero where no frame carries both, as for one edge in twenty of
+    // soft tissue when each vertex followed its nearest particle.
     for (const Surface& surface : patient().surfaces) {
         if (is_bone(surface.tissue)) {
             continue;
@@ -138,7 +138,7 @@ TEST_P(BuildSkin, WeightsOfOneNeighbourAreThoseOfTheOther) {
     }
 }
 
-TEST_P(BuildSkin, BonesCarryWhatIsBone) {
+TEST_P(BuildSkin, BoneSurfacesFollowTheirBones) {
     for (const Surface& surface : patient().surfaces) {
         if (surface.tissue != Tissue::skull && surface.tissue != Tissue::mandible) {
             continue;
@@ -165,8 +165,9 @@ NewbornShape premature() {
 INSTANTIATE_TEST_SUITE_P(Shapes, BuildSkin, testing::Values(NewbornShape(), premature()),
                          [](const auto& shape) { return shape.param.weight > 2.0f ? "term" : "premature"; });
 
-TEST(HeaviestShares, AFrameFallsOutWithoutAStep) {
-    // Ten frames, the last of which grows past the others: as soon as it is kept it weighs next to nothing.
+TEST(HeaviestShares, WeightsChangeContinuouslyAsFramesDropOut) {
+    // Ten frames, the last of which grows past the others: at the moment it is kept its weight is next to
+    // zero.
     Shares shares;
     for (std::uint16_t f = 0; f < frames_per_point + 1; ++f) {
         shares.push_back({f, 0.1f + 0.01f * static_cast<float>(f)});
@@ -187,8 +188,8 @@ TEST(HeaviestShares, AFrameFallsOutWithoutAStep) {
         const SkinWeights now = heaviest(shares);
         float sum = 0.0f;
         for (std::uint16_t f = 0; f <= newcomer; ++f) {
-            // A ten-thousandth more of one changes no weight by more than the sum of those kept makes it,
-            // a third here, and each of eight gives way by as much.
+            // A ten-thousandth more of one changes no weight by more than the sum of the kept ones scales it,
+            // a third here, and each of eight decreases by as much.
             EXPECT_NEAR(weight_of(now, f), weight_of(before, f), 1e-4f * 9 / 0.28f) << weight;
             sum += weight_of(now, f);
         }
@@ -199,7 +200,7 @@ TEST(HeaviestShares, AFrameFallsOutWithoutAStep) {
     EXPECT_TRUE(kept);
 }
 
-TEST(HeaviestShares, OfManyEqualOnesSomeAreKept) {
+TEST(HeaviestShares, EqualSharesStillSumToOne) {
     Shares shares;
     for (std::uint16_t f = 0; f < 2 * frames_per_point; ++f) {
         shares.push_back({f, 1.0f / (2 * frames_per_point)});

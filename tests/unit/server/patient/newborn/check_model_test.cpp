@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/patient/newborn/check_model.hpp"
+#include "server/patient/newborn/build/check_model.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "common/math/units.hpp"
-#include "server/patient/newborn/build.hpp"
+#include "server/patient/newborn/build/build.hpp"
 #include "server/patient/newborn/dimensions.hpp"
 #include "server/patient/newborn/newborn.hpp"
 
@@ -32,7 +32,7 @@ std::string faults(const Patient& patient) {
     return all;
 }
 
-/// The model with something done to it has a fault that is named so.
+/// The model corrupted by `spoil` has a fault with that name.
 template <class Spoil>
 void expect_fault(const char* named, const Spoil& spoil) {
     Patient patient = newborn();
@@ -45,11 +45,11 @@ std::uint32_t first_of(const Patient& patient, Tissue tissue) {
                                       patient.particles.tissue.begin());
 }
 
-/// Sound, and with a head as large as is published for its age.
+/// Valid, and with the published head size for its age.
 void expect_newborn_of(float weight) {
     NewbornShape shape;
     shape.weight = weight;
-    shape.gestational_age = usual_gestational_age(weight);
+    shape.gestational_age = median_gestational_age(weight);
     const Patient patient = build_patient(shape, coarse);
     EXPECT_EQ(faults(patient), "") << weight << " kg";
     const Dimension head = measure(patient, shape.gestational_age).front();
@@ -73,10 +73,10 @@ TEST(WholeCheckModel, NewbornsOfAllSizesAndVariantsAreSound) {
     }
 }
 
-// A large tongue lies against the palate; in life it does not grow from there.
-TEST(BuildPatient, ATongueIsFixedToTheMandibleAlone) {
+// A large tongue touches the palate; it is not attached there.
+TEST(BuildPatient, TongueIsFixedOnlyToMandible) {
     const NewbornShape shape{.tongue_scale = 1.3f};
-    const Patient bare;  // without surfaces, which are not looked at here
+    const Patient bare;  // without surfaces, which are not needed here
     const Patient patient = build_patient(shape, coarse, &bare);
     const Newborn form(shape);
     const ParticleSet& set = patient.particles;
@@ -118,7 +118,7 @@ TEST(CheckModel, FindsHolesAndCrossings) {
     });
 }
 
-TEST(CheckModel, FindsWhatDragsTheEpiglottisAlong) {
+TEST(CheckModel, FindsForeignEpiglottisClusters) {
     // Xiao et al. 2020, Fig. 5: a cluster of the tongue that holds a particle of the plate's free end.
     expect_fault("other clusters hold only its stalk", [](Patient& p) {
         const Vec3f tip = p.landmarks[static_cast<std::size_t>(Landmark::epiglottis_tip)].rest;
@@ -141,7 +141,7 @@ TEST(CheckModel, FindsWhatDragsTheEpiglottisAlong) {
     });
 }
 
-TEST(CheckModel, FindsSkinThatGoesWithTheEpiglottisFromAfar) {
+TEST(CheckModel, FindsDistantSkinBoundToEpiglottis) {
     expect_fault("no skin far from it does", [](Patient& p) {
         const auto plate =
             std::ranges::find(p.clusters.tissue, Tissue::epiglottis) - p.clusters.tissue.begin();
@@ -154,8 +154,8 @@ TEST(CheckModel, FindsSkinThatGoesWithTheEpiglottisFromAfar) {
     });
 }
 
-// Folds of the body's surface reach the plate and go with it there (docs/decisions/epiglottis.md).
-TEST(BuildPatient, FoldsHangOnTheEpiglottis) {
+// Folds of the body's surface reach the plate and follow it there (docs/decisions/epiglottis.md).
+TEST(BuildPatient, FoldsAreSkinnedToEpiglottis) {
     const Patient& patient = newborn();
     int wholly = 0, partly = 0;
     for (const SkinWeights& skin : patient.surfaces[0].skin) {
@@ -232,15 +232,15 @@ TEST(CheckModel, FindsWrongWeightsFramesDistancesAndLandmarks) {
     });
 }
 
-TEST(Dimensions, OfTheTermNewbornAreThoseItWasDrawnWith) {
+TEST(Dimensions, TermNewbornMatchesDesignValues) {
     const auto list = measure(newborn(), 40.0f);
     const auto value = [&](const char* name) {
         const auto it = std::ranges::find(list, std::string(name), &Dimension::name);
         EXPECT_NE(it, list.end()) << name;
         return it == list.end() ? 0.0 : it->value;
     };
-    // Of the implicit functions: the trachea's duct has semi-axes 2.6 and 2.5 mm, the cords lie 50.3 mm above
-    // the carina; tolerances are half the coarse surface's spacing.
+    // From the implicit functions: the trachea's duct has semi-axes 2.6 and 2.5 mm, the cords lie 50.3 mm
+    // above the carina; tolerances are half the coarse surface's spacing.
     EXPECT_NEAR(value("vocal cords to carina"), 50.3, 0.2);
     EXPECT_NEAR(value("trachea, diameter"), 5.1, 1.0);
     // A circle of 4.8 mm, 1 mm less for the coarse surface's corners and half as much more.
@@ -251,10 +251,10 @@ TEST(Dimensions, OfTheTermNewbornAreThoseItWasDrawnWith) {
     EXPECT_NEAR(value("head circumference"), 33.1, 1.0);
 }
 
-TEST(Dimensions, RaisingTheHeadBringsMouthAndLarynxTowardsOneLine) {
+TEST(Dimensions, HeadElevationAlignsOralAndLaryngealAxes) {
     const Alignment axes = align_axes(newborn(), 29.0f * degree);
-    // As measured in people: the mouth's axis and the line of sight come nearer to the larynx's, the
-    // pharynx's hardly changes (Adnet et al. 2001; Vialet et al. 2008 in infants).
+    // As measured in people: the mouth's axis and the line of sight approach the larynx's, the pharynx's
+    // hardly changes (Adnet et al. 2001; Vialet et al. 2008 in infants).
     EXPECT_LT(axes.angles.mouth_pharynx, axes.angles_at_rest.mouth_pharynx - 15.0f * degree);
     EXPECT_LT(axes.angles.sight_larynx, axes.angles_at_rest.sight_larynx - 10.0f * degree);
     EXPECT_GE(axes.angles.pharynx_larynx, axes.angles_at_rest.pharynx_larynx);

@@ -16,7 +16,7 @@ struct Off {
     double most = 0.0;  // [mm]
 };
 
-/// How far the grown cranium's skin and vault lie off those of a newborn that is built so large.
+/// Distance of the grown cranium's skin and vault from those of a newborn built at that size.
 Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
     NewbornShape large = shape;
     large.head_scale = wanted;
@@ -34,10 +34,10 @@ Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
         for (std::size_t i = 0; i < surface.skin.size(); ++i) {
             const Vec3f& rest = surface.mesh.vertices[i];
             if (surface.tissue != Tissue::soft || built.to_model(rest).z() < 26.0f) {
-                continue;  // of the skull's two sides the field tells the nearer one
+                continue;  // the field gives the nearer one of the skull's two sides
             }
             const Vec3f place = skin_point(rest, surface.skin[i], patient.frame_rest_centre, frames);
-            const double here = 1e3 * std::fabs(static_cast<double>(built.seen(place).body));
+            const double here = 1e3 * std::fabs(static_cast<double>(built.visible_fields(place).body));
             off.mean += here;
             off.most = std::max(off.most, here);
             count += 1.0;
@@ -48,7 +48,7 @@ Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
     return off;
 }
 
-TEST(HeadGrowth, IsThatOfANewbornBuiltSoLarge) {
+TEST(HeadGrowth, MatchesNewbornBuiltAtThatSize) {
     NewbornShape premature;
     premature.weight = 0.8f;
     premature.gestational_age = 26.0f;
@@ -65,7 +65,7 @@ TEST(HeadGrowth, IsThatOfANewbornBuiltSoLarge) {
     }
 }
 
-TEST(HeadGrowth, WhatTheSkullDoesNotCarryAloneStays) {
+TEST(HeadGrowth, MovesOnlySkullBoundVertices) {
     const Patient& patient = test::coarse_newborn();
     const std::size_t first = bone_count + patient.clusters.size();
     std::size_t grow = 0;

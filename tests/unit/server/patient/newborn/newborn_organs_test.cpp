@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-// Shapes of single organs, each against what anatomy says of it. Places are model coordinates: millimetres of
-// a newborn of 3.5 kg, x left, y anterior, z superior.
+// Shapes of single organs, each against anatomy. Coordinates are the model's: millimetres of a newborn of 3.5
+// kg, x left, y anterior, z superior.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ std::vector<NamedShape> shapes() {
     return all;
 }
 
-/// What lies where in a newborn, in model coordinates.
+/// Queries a newborn's fields in model coordinates.
 class Place {
   public:
     explicit Place(const NewbornShape& shape) : newborn_(shape) {}
@@ -65,7 +65,7 @@ class Place {
         return std::max(f.tongue, -f.sublingual) < 0.0f;
     }
     [[nodiscard]] bool cartilage(float x, float y, float z) const { return at(x, y, z).cricoid < 0.0f; }
-    /// Whether the offset shell leaves this point to a tool.
+    /// Whether a tool can be at this point outside the offset shell.
     [[nodiscard]] bool yields(float x, float y, float z) const {
         const Vec3f point = newborn_.from_model({x, y, z});
         const Fields f = newborn_.fields(point);
@@ -97,7 +97,7 @@ class Place {
         }
         return sum;
     }
-    /// How thick the cartilage is on the way from the lumen's middle into a direction.
+    /// Thickness of the cartilage from the lumen's middle in a direction.
     [[nodiscard]] float cartilage_towards(float x, float y, float z) const {
         float thickness = 0.0f;
         for (float r = 0.0f; r < 7.0f; r += step) {
@@ -113,7 +113,7 @@ class Place {
 
 constexpr float ring_z = -43.2f;
 
-TEST(NewbornOrgans, FalseCordsLieAboveTheVentricleAndLeaveMoreRoomThanTheTrueOnes) {
+TEST(NewbornOrgans, FalseCordsAreWiderApartThanTrueCords) {
     for (const auto& [name, shape] : shapes()) {
         const Place place(shape);
         const float glottis_z = place.landmark(Landmark::glottis).z();
@@ -142,8 +142,8 @@ TEST(NewbornOrgans, FalseCordsLieAboveTheVentricleAndLeaveMoreRoomThanTheTrueOne
     }
 }
 
-// The tongue grows from the mandible: what presses it flat there ends on bone.
-TEST(NewbornOrgans, TheMandibleHoldsABladeBehindTheTongue) {
+// The tongue is attached to the mandible: flattened there, it is stopped by bone.
+TEST(NewbornOrgans, MandibleStopsBladeBehindTongue) {
     for (const auto& [name, shape] : shapes()) {
         const Newborn newborn(shape);
         int within = 0;
@@ -152,7 +152,7 @@ TEST(NewbornOrgans, TheMandibleHoldsABladeBehindTheTongue) {
                 for (float z = -32.0f; z <= 12.0f; z += 1.0f) {
                     const Vec3f point = newborn.from_model({x, y, z});
                     const Fields f = newborn.fields(point);
-                    // A blade that lies on the gum's ridge would be a lever between both gums.
+                    // A blade on the gum's ridge would lever between both gums.
                     const bool at_the_ridge = f.lower_gum < newborn.scale() * 3.0f;
                     if (f.tongue > 0.0f || f.cavity < 0.0f || f.mandible > 0.0f || at_the_ridge) {
                         continue;
@@ -167,7 +167,7 @@ TEST(NewbornOrgans, TheMandibleHoldsABladeBehindTheTongue) {
     }
 }
 
-TEST(NewbornOrgans, TheGlottisIsWideBehindAndPointedInFront) {
+TEST(NewbornOrgans, GlottisIsWidestPosteriorly) {
     const Place place{NewbornShape()};
     const Vec3f front = place.landmark(Landmark::glottis_anterior);
     const Vec3f back = place.landmark(Landmark::glottis_posterior);
@@ -186,7 +186,7 @@ TEST(NewbornOrgans, TheGlottisIsWideBehindAndPointedInFront) {
     EXPECT_TRUE(place.air(0.0f, back.y(), back.z()));
 }
 
-TEST(NewbornOrgans, ATubeOfThreeAndAHalfPassesCordsAndCricoid) {
+TEST(NewbornOrgans, ThreePointFiveTubePassesCordsAndCricoid) {
     const Place place{NewbornShape()};
     constexpr float outer_radius = 2.45f;
     const auto passes = [&](float y, float z) {
@@ -207,7 +207,7 @@ TEST(NewbornOrgans, ATubeOfThreeAndAHalfPassesCordsAndCricoid) {
     }
 }
 
-TEST(NewbornOrgans, TheCricoidIsAClosedRingWithALaminaBehind) {
+TEST(NewbornOrgans, CricoidIsClosedRingWithPosteriorLamina) {
     for (const auto& [name, shape] : shapes()) {
         const Place place(shape);
         for (int i = 0; i < 36; ++i) {
@@ -241,7 +241,7 @@ TEST(NewbornOrgans, TheCricoidIsAClosedRingWithALaminaBehind) {
     }
 }
 
-TEST(NewbornOrgans, TheLumenNarrowsDownToTheCricoidAndWidensSidewards) {
+TEST(NewbornOrgans, LumenNarrowsToCricoidButWidensLaterally) {
     const Place place{NewbornShape()};
     const float glottis_z = place.landmark(Landmark::glottis).z();
     // With the cords apart the larynx is a funnel whose narrowest part is the ring; from side to side it
@@ -253,12 +253,12 @@ TEST(NewbornOrgans, TheLumenNarrowsDownToTheCricoidAndWidensSidewards) {
     EXPECT_NEAR(place.area(ring_z), 19.27, 9.62);
 }
 
-TEST(NewbornOrgans, ArytenoidsAndAryepiglotticFoldsPartInletAndRecesses) {
+TEST(NewbornOrgans, AryepiglotticFoldsSeparateInletFromRecesses) {
     for (const auto& [name, shape] : shapes()) {
         const Place place(shape);
         for (const float side : {-1.0f, 1.0f}) {
-            // The fold runs from the epiglottis's edge back and down to the arytenoid, the inlet on one side
-            // of it and the piriform recess on the other.
+            // The fold runs from the epiglottis's edge back and down to the arytenoid, with the inlet on one
+            // side and the piriform recess on the other.
             for (const float t : {0.3f, 0.6f, 0.9f}) {
                 const Vec3f p = (1.0f - t) * Vec3f(4.6f, 6.2f, -27.2f) + t * Vec3f(3.6f, 2.2f, -32.2f);
                 bool solid = false;
@@ -269,7 +269,7 @@ TEST(NewbornOrgans, ArytenoidsAndAryepiglotticFoldsPartInletAndRecesses) {
                 EXPECT_TRUE(place.air(side * (p.x() - 2.2f), p.y() + 0.8f, p.z())) << name << " at " << t;
                 EXPECT_TRUE(place.air(side * (p.x() + 2.0f), p.y(), p.z())) << name << " at " << t;
             }
-            // Arytenoids stand up behind the inlet, higher than the notch between them.
+            // Arytenoids rise behind the inlet, higher than the notch between them.
             const auto top = [&](float x) {
                 float z = -36.0f;
                 while (z < -26.0f && place.wall(x, 1.2f, z)) {
@@ -303,7 +303,7 @@ TEST(NewbornOrgans, TheEpiglottisIsOmegaShaped) {
                 return std::pair(sum / count, count * step);
             };
             const auto [ridge, thickness] = plate(0.0f);
-            // Its sides bend backwards, more and more, until the edge lies behind the back of the middle.
+            // Its sides bend backwards increasingly, until the edge lies behind the back of the middle.
             const float inner = ridge - plate(2.4f).first;
             const float edge = ridge - plate(4.8f).first;
             EXPECT_GT(inner, 0.2f) << name << ' ' << along;
@@ -314,11 +314,11 @@ TEST(NewbornOrgans, TheEpiglottisIsOmegaShaped) {
     }
 }
 
-TEST(NewbornOrgans, TheFrenulumHoldsTheTongueToTheFloorInTheMidline) {
+TEST(NewbornOrgans, FrenulumTethersTongueInMidline) {
     for (const auto& [name, shape] : shapes()) {
         const Place place(shape);
         const Vec3f gum = place.landmark(Landmark::lower_gum);
-        // Air that has tongue above and the mouth's floor below, from the gum backwards.
+        // Air between tongue and floor of the mouth, from the gum backwards.
         const auto under_tongue = [&](float x, float y) {
             bool tongue_above = false;
             for (float z = gum.z() + 6.0f; z > gum.z() - 14.0f; z -= 0.1f) {

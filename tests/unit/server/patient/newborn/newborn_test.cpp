@@ -20,7 +20,7 @@ NewbornShape shape_with(float NewbornShape::*field, float value) {
     return shape;
 }
 
-/// Calls visit(point) all over the airway.
+/// Calls visit(point) throughout the airway.
 template <class Visit>
 void for_airway(const Newborn& newborn, const Visit& visit) {
     Random random(3);
@@ -30,7 +30,7 @@ void for_airway(const Newborn& newborn, const Visit& visit) {
     }
 }
 
-TEST(Newborn, ALargerCraniumLeavesTheAirwayAsItIs) {
+TEST(Newborn, LargerCraniumKeepsAirway) {
     const Newborn usual{NewbornShape()};
     const Newborn large(shape_with(&NewbornShape::head_scale, 1.15f));
     for_airway(usual, [&](const Vec3f& point) {
@@ -45,7 +45,7 @@ TEST(Newborn, ALargerCraniumLeavesTheAirwayAsItIs) {
     EXPECT_LT(large.fields(brow).skin, 0.0f);
 }
 
-TEST(Newborn, AShiftedLarynxTakesItsLandmarksAlong) {
+TEST(Newborn, ShiftedLarynxMovesItsLandmarks) {
     NewbornShape shape;
     apply(AirwayVariant::anterior_larynx, shape);
     const Newborn usual{NewbornShape()};
@@ -55,7 +55,7 @@ TEST(Newborn, AShiftedLarynxTakesItsLandmarksAlong) {
     EXPECT_NEAR(moved.z(), 2.0e-3, 0.1e-3);
     EXPECT_EQ(place_of(anterior, Landmark::upper_gum), place_of(usual, Landmark::upper_gum));
     EXPECT_EQ(place_of(anterior, Landmark::carina), place_of(usual, Landmark::carina));
-    // The fields went there too, by the same way: what was found at a landmark is found there again.
+    // The fields moved by the same displacement: values at a landmark are unchanged.
     for (const Landmark which : {Landmark::glottis, Landmark::epiglottis_tip, Landmark::vallecula}) {
         const Fields a = usual.fields(place_of(usual, which));
         const Fields b = anterior.fields(place_of(anterior, which));
@@ -64,18 +64,18 @@ TEST(Newborn, AShiftedLarynxTakesItsLandmarksAlong) {
     }
 }
 
-TEST(Newborn, AShortMandibleDrawsChinLipAndTongueBack) {
+TEST(Newborn, ShortMandibleRetractsGumAndTongue) {
     const Newborn usual{NewbornShape()};
     const Newborn small(shape_with(&NewbornShape::mandible_scale, 0.8f));
     const float back = place_of(small, Landmark::lower_gum).y() - place_of(usual, Landmark::lower_gum).y();
-    // A fifth of the way from the joint to the gum, 41.5 mm.
+    // A fifth of the distance from the joint to the gum, 41.5 mm.
     EXPECT_NEAR(back, 0.2f * 41.5e-3f, 0.3e-3f);
     EXPECT_GT(place_of(small, Landmark::tongue_tip).y(), place_of(usual, Landmark::tongue_tip).y());
     EXPECT_EQ(place_of(small, Landmark::upper_gum), place_of(usual, Landmark::upper_gum));
     EXPECT_LT(small.fields(place_of(small, Landmark::lower_gum) - Vec3f(0, 0, 2e-3f)).lower_gum, 0.0f);
 }
 
-TEST(Newborn, TheTonguesLandmarksLieOnItWhateverItsSize) {
+TEST(Newborn, TongueLandmarksLieOnTongueOfAnySize) {
     for (const float scale : {0.8f, 1.0f, 1.25f, 1.4f}) {
         for (const float jaw : {5.0f * degree, 20.0f * degree}) {
             NewbornShape shape = shape_with(&NewbornShape::tongue_scale, scale);
@@ -84,7 +84,7 @@ TEST(Newborn, TheTonguesLandmarksLieOnItWhateverItsSize) {
             const Vec3f dorsum = place_of(newborn, Landmark::tongue_dorsum);
             EXPECT_NEAR(newborn.fields(dorsum).tongue, 0.0f, 1e-5f) << scale;
             EXPECT_LT(newborn.fields(dorsum - Vec3f(0, 0, 1e-3f)).tongue, 0.0f) << scale;
-            if (scale < 1.3f) {  // a larger one hangs out of the mouth and is cut 2 mm before the face
+            if (scale < 1.3f) {  // a larger one protrudes from the mouth and is cut 2 mm in front of the face
                 const float off = newborn.fields(place_of(newborn, Landmark::tongue_tip)).tongue;
                 EXPECT_NEAR(off, 0.0f, 1.5e-3f) << scale;
             }
@@ -92,7 +92,7 @@ TEST(Newborn, TheTonguesLandmarksLieOnItWhateverItsSize) {
     }
 }
 
-TEST(Newborn, AnOpenMouthIsOpenByItsAngleAboutTheJoints) {
+TEST(Newborn, JawOpensByItsAngleAboutTheJoints) {
     const Newborn closed{NewbornShape()};
     const Newborn open(shape_with(&NewbornShape::jaw_opening, 20.0f * degree));
     const Vec3f joint = closed.skeleton().jaw_joint;
@@ -100,7 +100,7 @@ TEST(Newborn, AnOpenMouthIsOpenByItsAngleAboutTheJoints) {
         const Vec3f arm = place_of(newborn, Landmark::lower_gum) - joint;
         return std::atan2(-arm.z(), -arm.y());
     };
-    // The condyles slide forward as the mouth opens, which takes some of the angle.
+    // The condyles slide forward as the mouth opens, which reduces the angle.
     EXPECT_NEAR((angle(open) - angle(closed)) / degree, 20.0f, 2.0f);
     // Between the lips, which are now far apart, there is air on all sides.
     for (const float z : {-3e-3f, 0.0f, 3e-3f}) {
@@ -109,7 +109,7 @@ TEST(Newborn, AnOpenMouthIsOpenByItsAngleAboutTheJoints) {
     }
 }
 
-TEST(Newborn, TheHyoidLiesBelowTheTongueAndOutsideTheAirway) {
+TEST(Newborn, HyoidLiesBelowTongueOutsideAirway) {
     const Newborn newborn{NewbornShape()};
     std::size_t inside = 0;
     for_airway(newborn, [&](const Vec3f& point) {

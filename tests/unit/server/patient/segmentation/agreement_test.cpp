@@ -18,7 +18,7 @@ imaging::Mask slab(int first, int last) {
     return mask;
 }
 
-TEST(Agreement, OfPlanesIsTheirDistance) {
+TEST(Agreement, SurfaceDistanceOfPlanesIsExact) {
     const Agreement same = agreement(slab(1, 1), slab(1, 1), {Label::tongue});
     EXPECT_EQ(same.dice, 1.0);
     EXPECT_EQ(same.mean_surface_distance, 0.0);
@@ -27,7 +27,7 @@ TEST(Agreement, OfPlanesIsTheirDistance) {
     EXPECT_DOUBLE_EQ(apart.mean_surface_distance.value(), 3.0);
 }
 
-TEST(Agreement, WhereOnlyOneHasTheStructureThereIsNoDistance) {
+TEST(Agreement, MissingStructureHasNoSurfaceDistance) {
     for (const auto& [found, truth] :
          {std::pair(slab(9, 9), slab(1, 2)), std::pair(slab(1, 2), slab(9, 9))}) {
         const Agreement one = agreement(found, truth, {Label::tongue});

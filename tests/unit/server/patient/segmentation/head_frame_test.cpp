@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/patient/segmentation/head_frame.hpp"
+#include "server/patient/segmentation/placement/head_frame.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ Eigen::Matrix3d turn_about(const Vec3d& axis, double degrees) {
     return Eigen::AngleAxisd(degrees * radians_per_degree, axis.normalized()).toRotationMatrix();
 }
 
-/// The same voxels of a patient who lies turned.
+/// The same voxels of a rotated patient.
 imaging::Volume turned(imaging::Volume volume, const Eigen::Matrix3d& turn) {
     volume.geometry.origin = turn * volume.geometry.origin;
     volume.geometry.step = turn * volume.geometry.step;
@@ -46,16 +46,16 @@ void expect_found(std::initializer_list<Eigen::Matrix3d> turns) {
         EXPECT_LT(off(found, turn), 3.0) << turn;
         EXPECT_NEAR(found.size, 36e-3, 3e-3);
         EXPECT_TRUE(found.vault);
-        // Where the cranium is: the phantom's lies 66 mm behind and 56 mm above the gum.
+        // Position of the cranium: the phantom's lies 66 mm behind and 56 mm above the gum.
         EXPECT_LT((turn.transpose() * found.centre - Vec3d(0, 66e-3, 56e-3)).norm(), 6e-3) << turn;
     }
 }
 
-TEST(HeadFrame, IsFoundHoweverTheHeadLies) {
+TEST(HeadFrame, IsFoundForAnyHeadOrientation) {
     expect_found({turn_about(left, 0.0), turn_about(Vec3d(1, -1, 1), 40.0), turn_about(left, 180.0)});
 }
 
-TEST(WholeHeadFrame, IsFoundHoweverTheHeadLies) {
+TEST(WholeHeadFrame, IsFoundForAnyHeadOrientation) {
     expect_found({turn_about(left, 30.0), turn_about(left, -45.0), turn_about(back, 30.0),
                   turn_about(up, 45.0), turn_about(back, 90.0), turn_about(up, 170.0)});
 }
@@ -73,7 +73,7 @@ TEST(HeadFrame, IsFoundWithoutAVault) {
     EXPECT_NEAR(found.size, 36e-3, 4e-3);
 }
 
-TEST(HeadFrame, OfAnotherSizeIsTheSame) {
+TEST(HeadFrame, IsIndependentOfHeadSize) {
     imaging::Volume ct = coarse_phantom(2.0e-3f, 1.2f).ct;
     const HeadFrame preterm = find_head(ct, {});
     EXPECT_LT(off(preterm, Eigen::Matrix3d::Identity()), 3.0);
@@ -100,7 +100,7 @@ imaging::Volume drawn(const std::function<double(double, double, double)>& value
     return ct;
 }
 
-/// Ribs, spine and breastbone about lungs and heart, with a windpipe.
+/// Ribs, spine and sternum around lungs and heart, with a trachea.
 double chest(double x, double y, double z) {
     const auto ellipse = [](double a, double b, double c = 0.0) { return a * a + b * b + c * c; };
     if (ellipse(x / 95, y / 72) > 1.0) {
@@ -126,7 +126,7 @@ double chest(double x, double y, double z) {
     return ellipse((x - side) / 36, (y + 2) / 48, (z + 10) / 95) < 1.0 ? -850.0 : 40.0;
 }
 
-TEST(HeadFrame, IsNotFoundWhereThereIsNone) {
+TEST(HeadFrame, VolumeWithoutHeadIsRefused) {
     const auto refused = [](const imaging::Volume& ct, const std::string& what) {
         try {
             const HeadFrame found = find_head(ct, {});

@@ -6,8 +6,8 @@
 
 #include "coarse_phantom.hpp"
 #include "common/math/units.hpp"
-#include "server/patient/newborn/build.hpp"
-#include "server/patient/newborn/check_model.hpp"
+#include "server/patient/newborn/build/build.hpp"
+#include "server/patient/newborn/build/check_model.hpp"
 #include "server/patient/segmentation/label_distance.hpp"
 
 namespace eti::segmentation {
@@ -16,7 +16,7 @@ namespace {
 using test::coarse_phantom;
 using test::silent;
 
-/// The labels of a phantom whose volume lies elsewhere and tilted: what a scanner's frame does.
+/// The labels of a phantom whose volume is shifted and tilted, as by a scanner's frame.
 imaging::Mask moved(imaging::Mask labels, float tilt, const Vec3d& by) {
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(static_cast<double>(tilt), Vec3d::UnitX()).toRotationMatrix();
@@ -25,17 +25,17 @@ imaging::Mask moved(imaging::Mask labels, float tilt, const Vec3d& by) {
     return labels;
 }
 
-TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
+TEST(Registration, RecoversPhantomSizeTiltAndPosition) {
     for (const float weight : {1.5f, 3.5f}) {
         PhantomSettings settings;
         settings.newborn.weight = weight;
-        settings.newborn.gestational_age = usual_gestational_age(weight);
+        settings.newborn.gestational_age = median_gestational_age(weight);
         settings.spacing = 1.2e-3f * std::cbrt(weight / 3.5f);  // as many voxels across either head
         const Phantom phantom = make_phantom(settings, silent);
         const Vec3d by(0.04, -0.11, 0.9);
         const float tilt = 25.0f * degree;
-        const Registration found = lay_newborn_over(moved(phantom.labels, tilt, by));
-        // Surfaces of labels are known to half a voxel or so: 1.5 % of the jaw's 65 mm at term.
+        const Registration found = register_newborn(moved(phantom.labels, tilt, by));
+        // Surfaces of labels are known to about half a voxel: 1.5 % of the jaw's 65 mm at term.
         EXPECT_NEAR(std::cbrt(found.weight / weight), 1.0f, 0.03f) << weight;
         EXPECT_LT(found.off, 0.6e-3) << weight;
         const Quatf turn(Eigen::AngleAxisf(tilt, Vec3f::UnitX()));
@@ -44,7 +44,7 @@ TEST(Registration, FindsSizeTiltAndPlaceOfAPhantom) {
     }
 }
 
-TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
+TEST(LabelledAnatomy, MatchesPhantomGroundTruth) {
     const Phantom& phantom = coarse_phantom(1.0e-3f);
     const LabelledAnatomy anatomy(phantom.labels, phantom.landmarks, silent);
     const anatomy::Newborn truth(PhantomSettings().newborn);
@@ -59,7 +59,7 @@ TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
                 const Vec3f point(x, y, z);
                 const anatomy::Fields is = anatomy.fields(back * point);
                 const anatomy::Fields was = truth.fields(point);
-                // Where truth says clearly air or clearly tissue, a millimetre from the border.
+                // Where the truth is clearly air or clearly tissue, a millimetre from the border.
                 const float air = std::max({was.cavity, -was.tongue, -was.epiglottis});
                 const float found = std::max({is.cavity, -is.tongue, -is.epiglottis});
                 if (was.skin < -1e-3f && std::fabs(air) > 1e-3f) {
@@ -78,7 +78,7 @@ TEST(LabelledAnatomy, OfAPhantomIsThePhantomsOwn) {
     }
 }
 
-TEST(LabelledAnatomy, MakesASoundModel) {
+TEST(LabelledAnatomy, BuildsValidModel) {
     const Phantom& phantom = coarse_phantom(1.0e-3f);
     const LabelledAnatomy anatomy(phantom.labels, {}, silent);
     const anatomy::Patient patient = anatomy::build_patient(
@@ -89,26 +89,26 @@ TEST(LabelledAnatomy, MakesASoundModel) {
     EXPECT_FALSE(anatomy.remarks().empty()) << "voxels of 1 mm do not show the epiglottis";
 }
 
-TEST(LabelledAnatomy, WithoutALarynxNoneIsInvented) {
+TEST(LabelledAnatomy, MissingLarynxIsRefused) {
     Phantom phantom = coarse_phantom(2.0e-3f);
     imaging::Geometry& g = phantom.labels.geometry;
-    // Cut the volume off just below the chin.
+    // Cuts the volume off just below the chin.
     const auto cut = static_cast<int>((-0.028 - g.origin.z()) / g.step(2, 2));
     phantom.labels.value.erase(
         phantom.labels.value.begin(),
         phantom.labels.value.begin() + static_cast<std::ptrdiff_t>(g.index(0, 0, cut)));
     g.origin.z() += cut * g.step(2, 2);
     g.size[2] -= cut;
-    EXPECT_THROW(LabelledAnatomy(phantom.labels, {}, silent), NoLarynx);
+    EXPECT_THROW(LabelledAnatomy(phantom.labels, {}, silent), NoLarynxError);
 
     Phantom jawless = coarse_phantom(2.0e-3f);
     for (std::uint8_t& v : jawless.labels.value) {
         v = v == value_of(Label::mandible) ? value_of(Label::bone) : v;
     }
-    EXPECT_THROW(LabelledAnatomy(jawless.labels, {}, silent), NoLarynx);
+    EXPECT_THROW(LabelledAnatomy(jawless.labels, {}, silent), NoLarynxError);
 }
 
-TEST(LabelDistance, OfABallIsItsDistance) {
+TEST(LabelDistance, MatchesDistanceToBall) {
     imaging::Mask labels;
     labels.geometry.size = {41, 41, 41};
     labels.geometry.step = 0.5e-3 * Eigen::Matrix3d::Identity();

@@ -10,9 +10,9 @@ namespace eti::segmentation {
 namespace {
 
 /// A head whose cranium has a radius of 40 mm about (0, 0, 80) mm, with balls and boxes for organs.
-class Organs : public ::testing::Test {
+class OrganCheckTest : public ::testing::Test {
   protected:
-    Organs() {
+    OrganCheckTest() {
         geometry.size = {60, 60, 60};
         geometry.step = 2e-3 * Eigen::Matrix3d::Identity();
         geometry.origin = Vec3d(-59e-3, -59e-3, -19e-3);
@@ -29,7 +29,7 @@ class Organs : public ::testing::Test {
         return bits;
     }
     void expect(const imaging::Bits& organ, const OrganLimits& limits, const std::string& said) const {
-        const std::string why = OrganCheck(geometry, head, airway).implausible(organ, limits);
+        const std::string why = OrganCheck(geometry, head, airway).implausibility(organ, limits);
         if (said.empty()) {
             EXPECT_EQ(why, "");
         } else {
@@ -38,11 +38,11 @@ class Organs : public ::testing::Test {
     }
 
     imaging::Geometry geometry;
-    HeadPlace head;
+    HeadPose head;
     imaging::Bits airway = imaging::Bits();
 };
 
-TEST_F(Organs, OfTheirSizeInTheirPlaceStand) {
+TEST_F(OrganCheckTest, AcceptsExpectedSizeAndPosition) {
     airway = ball(0, 10, 20, 8);
     // 4/3 pi r^3: 8.2, 22.4 and 7.2 ml in a head whose cube is 64 ml.
     expect(ball(0, -30, 20, 12.5), mandible_limits, "");
@@ -51,7 +51,7 @@ TEST_F(Organs, OfTheirSizeInTheirPlaceStand) {
     expect({}, mandible_limits, "");
 }
 
-TEST_F(Organs, OfAnotherSizeOrPlaceDoNot) {
+TEST_F(OrganCheckTest, RefusesWrongSizeOrPosition) {
     airway = ball(0, 10, 20, 8);
     expect(ball(0, -10, 20, 25), mandible_limits, "65");                                  // 65 ml; at most 32
     expect(ball(0, -30, 20, 5), mandible_limits, "ml were found; expected 1.3 to 32.0");  // at least 1.3
@@ -65,7 +65,7 @@ TEST_F(Organs, OfAnotherSizeOrPlaceDoNot) {
     expect(ball(0, -10, 20, 25), mandible_limits, "");
 }
 
-TEST_F(Organs, FollowEachOtherFromFrontToBack) {
+TEST_F(OrganCheckTest, FindsOrgansOutOfOrder) {
     const OrganCheck check(geometry, head, airway);
     EXPECT_EQ(check.out_of_order(ball(0, -30, 20, 9), ball(0, -10, 20, 9), ball(0, 40, 20, 9)), "");
     EXPECT_EQ(check.out_of_order(ball(0, -30, 20, 9), {}, ball(0, 40, 20, 9)), "");
@@ -75,7 +75,7 @@ TEST_F(Organs, FollowEachOtherFromFrontToBack) {
               std::string::npos);
 }
 
-TEST_F(Organs, HoldTheirSeeds) {
+TEST_F(OrganCheckTest, FindsSeedsOutsideTheirOrgan) {
     imaging::Mask labels{geometry, std::vector<std::uint8_t>(geometry.count(), value_of(Label::soft))};
     const imaging::Bits mandible = ball(0, -30, 20, 10);
     const imaging::Bits spine = ball(0, 40, 20, 10);
@@ -99,7 +99,8 @@ TEST_F(Organs, HoldTheirSeeds) {
     EXPECT_EQ(said.front().rfind("1 of 3 points 'spine' that were given", 0), 0u) << said.front();
     EXPECT_NE(said.front().find("in mandible"), std::string::npos) << said.front();
 
-    // Of ten points of the jaw one may lie in the skull, at the jaw's border; not in the skull far from it.
+    // Of ten points of the jaw one may lie in the skull, at the jaw's border, but none in the skull far from
+    // it.
     const imaging::Bits joint = ball(0, -30, 36, 5);
     const imaging::Bits crown = ball(0, -30, 60, 5);
     for (std::size_t i = 0; i < joint.size(); ++i) {

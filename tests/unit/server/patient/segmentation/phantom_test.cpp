@@ -11,7 +11,7 @@ namespace {
 
 using test::coarse_phantom;
 
-TEST(Phantom, SameSeedSameVoxelsOtherSeedOtherNoise) {
+TEST(Phantom, NoiseIsReproducibleBySeed) {
     const Phantom& a = coarse_phantom(2.5e-3f);
     PhantomSettings again;
     again.spacing = 2.5e-3f;
@@ -21,12 +21,12 @@ TEST(Phantom, SameSeedSameVoxelsOtherSeedOtherNoise) {
     EXPECT_NE(a.ct.value, b.ct.value);
 }
 
-TEST(Phantom, TongueHidesInTheNoiseOfItsNeighbours) {
+TEST(Phantom, TongueContrastIsBelowNoise) {
     const Phantom& phantom = coarse_phantom(2.5e-3f);
     const auto mean_of = [&](Label label) {
         double sum = 0.0, count = 0.0;
         for (std::size_t i = 0; i < phantom.ct.value.size(); ++i) {
-            // Voxels that are partly something else, air or bone, are no tissue's own.
+            // Partial-volume voxels with air or bone belong to no single tissue.
             const auto v = static_cast<double>(phantom.ct.value[i]);
             if (phantom.labels.value[i] == value_of(label) && std::abs(v - 40.0) < 100.0) {
                 sum += v;
@@ -41,12 +41,12 @@ TEST(Phantom, TongueHidesInTheNoiseOfItsNeighbours) {
     EXPECT_GT(contrast, 1.0);
 }
 
-TEST(Phantom, NoiseHasTheStandardDeviationAskedFor) {
+TEST(Phantom, NoiseHasRequestedStandardDeviation) {
     const Phantom& phantom = coarse_phantom(2.0e-3f);
     double sum = 0.0;
     double squares = 0.0;
     double count = 0.0;
-    // Far from borders, where no voxel is partly something else: the outer air at the volume's front.
+    // Far from borders, without partial-volume voxels: the outer air at the volume's front.
     for (std::size_t i = 0; i < 3000; ++i) {
         ASSERT_EQ(phantom.labels.value[phantom.labels.value.size() - 1 - i], value_of(Label::outside));
         const double v = phantom.ct.value[phantom.ct.value.size() - 1 - i];
@@ -60,7 +60,7 @@ TEST(Phantom, NoiseHasTheStandardDeviationAskedFor) {
     EXPECT_NEAR(std::sqrt(squares / count - mean * mean), 20.0, 0.8);
 }
 
-TEST(Phantom, BordersAreMixedByShare) {
+TEST(Phantom, BorderVoxelsShowPartialVolume) {
     PhantomSettings settings;
     settings.spacing = 2.0e-3f;
     settings.noise = 0.0f;
@@ -69,7 +69,7 @@ TEST(Phantom, BordersAreMixedByShare) {
     for (std::size_t i = 0; i < phantom.ct.value.size(); ++i) {
         const auto label = static_cast<Label>(phantom.labels.value[i]);
         mixed += phantom.ct.value[i] != hounsfield_of(label) ? 1 : 0;
-        // The label has the largest share: a voxel called air holds air.
+        // The label has the largest share: a voxel labelled air holds air.
         if (label == Label::outside || label == Label::airway) {
             ASSERT_LT(phantom.ct.value[i], 40.0f);
         }
@@ -78,7 +78,7 @@ TEST(Phantom, BordersAreMixedByShare) {
     EXPECT_LT(mixed, phantom.ct.value.size() / 2);
 }
 
-TEST(Phantom, LandmarksLieWhereTheyAreNamedFor) {
+TEST(Phantom, LandmarksLieInTheirStructures) {
     const Phantom& phantom = coarse_phantom(2.0e-3f);
     const auto label_at = [&](const char* name) {
         const Vec3d at = phantom.labels.geometry.to_index(phantom.landmarks.at(name).front());
@@ -90,8 +90,8 @@ TEST(Phantom, LandmarksLieWhereTheyAreNamedFor) {
     EXPECT_EQ(label_at("glottis"), Label::airway);
 }
 
-TEST(Phantom, AskedToStopItStops) {
-    EXPECT_THROW((void)make_phantom({}, [](float, std::string_view) { return false; }), Stopped);
+TEST(Phantom, StopsOnRequest) {
+    EXPECT_THROW((void)make_phantom({}, [](float, std::string_view) { return false; }), CancelledError);
 }
 
 }  // namespace

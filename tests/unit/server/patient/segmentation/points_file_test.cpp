@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/patient/segmentation/points_file.hpp"
+#include "server/patient/segmentation/placement/points_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -44,7 +44,7 @@ class PointsFile : public ::testing::Test {
     std::filesystem::path file;
 };
 
-TEST_F(PointsFile, WhatIsWrittenIsRead) {
+TEST_F(PointsFile, RoundTripPreservesPoints) {
     imaging::write_text(file, encode_points(points));
     const Points back = read_points(file);
     ASSERT_EQ(back.size(), 2u);
@@ -53,12 +53,12 @@ TEST_F(PointsFile, WhatIsWrittenIsRead) {
     EXPECT_LT((back.at("tongue")[0] - points.at("tongue")[0]).norm(), 1e-9);
 }
 
-TEST_F(PointsFile, RasIsTurned) {
+TEST_F(PointsFile, RasIsConvertedToLps) {
     imaging::write_text(file, with("\"LPS\"", "\"RAS\""));
     EXPECT_LT((read_points(file).at("tongue")[0] - Vec3d(-0.001, -0.021, -0.0125)).norm(), 1e-9);
 }
 
-TEST_F(PointsFile, MistakesAreRefused) {
+TEST_F(PointsFile, MalformedPointsAreRefused) {
     expect_refused(with("\"tongue\"", "\"tounge\""), "tounge");
     expect_refused(with("\"LPS\"", "\"IJK\""), "IJK");
     expect_refused(with("\"mm\"", "\"inch\""), "inch");

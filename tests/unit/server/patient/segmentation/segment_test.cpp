@@ -25,13 +25,13 @@ const Structure& structure(const Segmentation& found, const std::string& name) {
     throw std::out_of_range(name);
 }
 
-/// What is found in the phantom of 1.5 mm as it lies, found once.
+/// Segmentation of the phantom of 1.5 mm in its original orientation, computed once.
 const Segmentation& usual_segmentation() {
     static const Segmentation found = segment(coarse_phantom(1.5e-3f).ct, {}, {}, silent);
     return found;
 }
 
-/// Compares with the truth, prints it, and holds it to what a segmentation must reach.
+/// Compares with the truth, prints the result, and checks it against the required bounds.
 void expect_agreement(const Segmentation& found, const Phantom& phantom, const std::string& title) {
     struct Bound {
         const char* name;
@@ -42,7 +42,8 @@ void expect_agreement(const Segmentation& found, const Phantom& phantom, const s
     for (const Bound& bound :
          {Bound{"airway", {Label::airway}, 0.95}, Bound{"bone", bone, 0.95},
           Bound{"tongue", {Label::tongue}, 0.90}, Bound{"mandible", {Label::mandible}, 0.90},
-          // Arches that touch the skull or each other stay bone: what was reached, less a little.
+          // Arches that touch the skull or each other stay bone: the bound is the present result, less a
+          // little.
           Bound{"spine", {Label::spine}, 0.85}}) {
         const Agreement a = agreement(found.labels, phantom.labels, bound.labels);
         const double farthest = bound.labels.front() == Label::spine ? 1.2 : 1.0;
@@ -64,15 +65,15 @@ void expect_agreement_of(float weight, float spacing, std::uint64_t seed) {
     EXPECT_TRUE(structure(found, "larynx and trachea").found);
 }
 
-TEST(Segment, ANoisyPhantomAgreesWithItsTruth) {
+TEST(Segment, NoisyPhantomMatchesGroundTruth) {
     expect_agreement_of(3.5f, 1.0e-3f, 1);
 }
 
-TEST(WholeSegment, ASmallerPhantomAgreesWithItsTruth) {
+TEST(WholeSegment, SmallerPhantomMatchesGroundTruth) {
     expect_agreement_of(2.0f, 0.9e-3f, 2);
 }
 
-TEST(Segment, TurnedVolumeGivesTheSameLabels) {
+TEST(Segment, ReorderedAxesGiveSameLabels) {
     const Phantom& phantom = coarse_phantom(1.5e-3f);
     const Segmentation& usual = usual_segmentation();
     // The same patient, stored with axes in another order and direction.
@@ -100,7 +101,7 @@ TEST(Segment, TurnedVolumeGivesTheSameLabels) {
     EXPECT_LT(other, truth.value.size() / 10000);
 }
 
-/// What is compared of two segmentations.
+/// Compared features of two segmentations.
 const std::vector<std::pair<const char*, std::vector<Label>>> organs = {
     {"airway", {Label::airway}},
     {"bone", {Label::bone, Label::mandible, Label::spine}},
@@ -130,18 +131,18 @@ void expect_the_same_when_turned(const Vec3d& axis, double degrees) {
     }
 }
 
-TEST(Segment, ATurnedPatientKeepsItsLabels) {
+TEST(Segment, RotatedPatientKeepsLabels) {
     expect_the_same_when_turned(Vec3d(1, 1, 1), 45.0);
 }
 
-TEST(WholeSegment, PatientsTurnedAboutEachAxisKeepTheirLabels) {
+TEST(WholeSegment, PatientRotatedAboutEachAxisKeepsLabels) {
     expect_the_same_when_turned(Vec3d(1, 0, 0), 30.0);
     expect_the_same_when_turned(Vec3d(1, 0, 0), -30.0);
     expect_the_same_when_turned(Vec3d(0, 1, 0), 30.0);
     expect_the_same_when_turned(Vec3d(0, 0, 1), -30.0);
 }
 
-TEST(Segment, VolumesWhoseFilesMistakeUpForDownAreTurnedAndSaid) {
+TEST(Segment, UpsideDownVolumeIsTurnedAndReported) {
     const Phantom& phantom = coarse_phantom(1.5e-3f);
     const Segmentation& usual = usual_segmentation();
     imaging::Volume upset = phantom.ct;
@@ -180,7 +181,7 @@ TEST(Segment, PointsInAnotherOrganAreAContradiction) {
         << found.contradictions.front();
 }
 
-TEST(Segment, PointsThatItPlacedMayBeGivenBack) {
+TEST(Segment, PlacedPointsAreAcceptedAsInput) {
     const Phantom& phantom = coarse_phantom(1.5e-3f);
     const Points& placed = usual_segmentation().points;
     const Segmentation found = segment(phantom.ct, placed, {}, silent);
@@ -211,14 +212,14 @@ TEST(Segment, HeadWithoutNeckHasNoLarynx) {
 TEST(Segment, GivenLandmarksAreUsed) {
     const Phantom& phantom = coarse_phantom(1.5e-3f);
     const Segmentation& usual = usual_segmentation();
-    // The level set finds the tongue from any place within it.
+    // The level set finds the tongue from any seed within it.
     const Points given = {{"tongue", {usual.points.at("tongue").front() + Vec3d(3e-3, 4e-3, -2e-3)}}};
     const Segmentation found = segment(phantom.ct, given, {}, silent);
     EXPECT_GT(agreement(found.labels, usual.labels, {Label::tongue}).dice, 0.98);
     EXPECT_THROW((void)segment(phantom.ct, {{"tongue", {Vec3d(1, 0, 0)}}}, {}, silent), imaging::VolumeError);
 }
 
-TEST(Segment, VolumesThatAreNoCtAreRefused) {
+TEST(Segment, NonCtVolumesAreRefused) {
     Phantom phantom = coarse_phantom(2.5e-3f);
     imaging::Volume swapped = phantom.ct;
     for (float& v : swapped.value) {
@@ -238,13 +239,13 @@ TEST(Segment, VolumesThatAreNoCtAreRefused) {
     refused(phantom.ct, "air");
 }
 
-TEST(Segment, AskedToStopItStops) {
+TEST(Segment, StopsOnRequest) {
     const Phantom& phantom = coarse_phantom(2.0e-3f);
     for (int after = 0; after < 6; ++after) {
         int heard = 0;
         EXPECT_THROW(
             (void)segment(phantom.ct, {}, {}, [&](float, std::string_view) { return heard++ < after; }),
-            Stopped);
+            CancelledError);
     }
 }
 

@@ -43,26 +43,26 @@ struct Balls {
     }
 };
 
-TEST(Surfaces, FollowTheGreyValuesOnAnyGrid) {
+TEST(Surfaces, FollowGreyValuesOnAnyGrid) {
     const Balls balls;
     const auto surfaces = make_surfaces(balls.labels, &balls.ct, {}, silent);
     ASSERT_EQ(surfaces.size(), 2u) << "there is no airway";
     for (const NamedSurface& surface : surfaces) {
         const double radius = surface.name == "skin" ? Balls::outer : Balls::inner;
-        EXPECT_TRUE(surface.report.sound());
+        EXPECT_TRUE(surface.report.is_valid());
         EXPECT_EQ(surface.report.components, 1u);
         // Smoothing must not shrink: a twentieth of a voxel over the whole surface.
         const double volume = 4.0 / 3.0 * M_PI * radius * radius * radius;
         EXPECT_NEAR(surface.report.volume, volume, 4.0 * M_PI * radius * radius * 0.05e-3) << surface.name;
         for (const Vec3f& v : surface.mesh.vertices) {
-            // A ramp of 1 mm seen every 1.4 mm: 0.2 mm; marching tetrahedra's clearance: 0.05 mm; smoothing
-            // and flat triangles: below 0.1 mm.
+            // A ramp of 1 mm sampled every 1.4 mm: 0.2 mm; marching tetrahedra's clearance: 0.05 mm;
+            // smoothing and flat triangles: below 0.1 mm.
             ASSERT_NEAR(v.norm(), radius, 0.35e-3) << surface.name;
         }
     }
 }
 
-TEST(Surfaces, LabelsAloneWillDo) {
+TEST(Surfaces, LabelsAloneSuffice) {
     const Balls balls;
     const auto surfaces = make_surfaces(balls.labels, nullptr, {}, silent);
     ASSERT_EQ(surfaces.size(), 2u);
@@ -70,14 +70,14 @@ TEST(Surfaces, LabelsAloneWillDo) {
     EXPECT_NEAR(surfaces[1].report.volume, volume, 0.05 * volume);
 }
 
-TEST(Surfaces, BudgetIsKept) {
+TEST(Surfaces, TriangleBudgetIsRespected) {
     const Balls balls;
     SurfaceSettings settings;
     settings.skin_triangles = 2000;
     settings.bone_triangles = 500;
     for (const NamedSurface& surface : make_surfaces(balls.labels, &balls.ct, settings, silent)) {
         EXPECT_LE(surface.mesh.triangles.size(), surface.name == "skin" ? 2000u : 500u);
-        EXPECT_TRUE(surface.report.sound());
+        EXPECT_TRUE(surface.report.is_valid());
     }
 }
 
@@ -86,7 +86,7 @@ TEST(Surfaces, PhantomIsClosedManifoldAndOriented) {
     const auto surfaces = make_surfaces(phantom.labels, &phantom.ct, {}, silent);
     ASSERT_EQ(surfaces.size(), 3u);
     for (const NamedSurface& surface : surfaces) {
-        EXPECT_TRUE(surface.report.sound()) << surface.name << ": " << surface.report.describe();
+        EXPECT_TRUE(surface.report.is_valid()) << surface.name << ": " << surface.report.describe();
     }
 }
 

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/app/offscreen/offscreen.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "client/app/offscreen/pictures.hpp"
+#include "client/app/session_input.hpp"
+#include "client/app/window/hand_controls.hpp"
+#include "client/render/gl/headless_context.hpp"
+#include "client/render/video.hpp"
+#include "common/process/priority.hpp"
+#include "common/process/stop_signal.hpp"
+
+namespace eti::client {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+// A server that left the bus does not return by itself; a slow one recovers.
+constexpr double gone_for_s = 1.0;
+constexpr double silent_for_s = 15.0;
+// Maximum time the video repeats a picture: a longer jump of simulation time is a new session.
+constexpr std::int64_t longest_hold_s = 20;
+constexpr int drawing_nice = 5;
+// A server sends every frame within a second of a client's joining; on a bad link some may still be
+// missing.
+constexpr auto first_shape_timeout = 3s;
+
+enum class End { none, finished, lost, stopped, enough_frames };
+
+const char* name_of(End end) {
+    switch (end) {
+        case End::finished:
+            return "finished";
+        case End::lost:
+            return "server lost";
+        case End::stopped:
+            return "stopped";
+        case End::enough_frames:
+            return "enough frames";
+        case End::none:
+            break;
+    }
+    return "running";
+}
+
+class Offscreen {
+  public:
+    Offscreen(const Options& options, bus::Node& node)
+        : options_(options),
+          node_(node),
+          // Frames are drawn at most at the video's rate, for which deformation at 30 Hz is usually enough.
+          input_(node, options.frames_per_second > 30.0, options.is_trainee()),
+          quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          compositor_(options.width, options.height, quality_),
+          pictures_(options.offscreen) {
+        if (options.hands) {
+            hands_ = std::make_unique<HandControls>(node, options.play, options.tutorial);
+        }
+        if (!options.video.empty()) {
+            video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
+                                                     options.height);
+        }
+    }
+
+    // Returns false if no scene arrived.
+    bool wait_for_scene() {
+        auto deadline = Clock::now() + patience_;
+        bool announced = false, deadline_of_shape = false;
+        while (!scene_.has_all_frames()) {
+            input_.receive_into(scene_);
+            bus::refuse_other_protocol(node_);
+            if (stop_requested()) {
+                end_ = End::stopped;
+                return true;
+            }
+            if (scene_.complete() && !deadline_of_shape) {
+                deadline_of_shape = true;
+                deadline = Clock::now() + first_shape_timeout;
+            } else if (input_.server_on_bus() && !scene_.complete()) {
+                // The server is present and still builds its patient, which may take longer than any fixed
+                // time.
+                deadline = Clock::now() + patience_;
+                if (!announced) {
+                    spdlog::info("server found; waiting for its scene");
+                    announced = true;
+                }
+            }
+            if (Clock::now() > deadline) {
+                return scene_.complete();
+            }
+            input_.wait(20ms);
+        }
+        spdlog::info("scene is complete: {} surfaces", scene_.surfaces().size());
+        return true;
+    }
+
+    void follow() {
+        while (end_ == End::none) {
+            receive();
+            if (hands_ && hands_->update(scene_, selection())) {
+                take_pictures_now(fmt::format("lesson_{}", hands_->lesson()));
+            }
+            end_ = why_to_end();
+            if (end_ == End::none && !draw_if_due()) {
+                input_.wait(10ms);
+            }
+        }
+        if (end_ == End::finished) {
+            // Deformation and status are separate topics; wait for the last deformation states.
+            for (const auto until = Clock::now() + 300ms; Clock::now() < until; input_.wait(20ms)) {
+                receive();
+            }
+        }
+    }
+
+    void finish() {
+        if (scene_.complete()) {
+            scene_.update();
+            take_pictures(scene_, readout(), "final");
+            if (video_) {
+                compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), false,
+                                 selection().arrangement);
+                video_->add(compositor_.target().read(),
+                            static_cast<int>(std::ceil(options_.frames_per_second)));
+            }
+            if (best_.scene()) {
+                take_best_pictures(*best_.scene());
+            }
+        }
+        if (video_) {
+            video_->finish();
+        }
+    }
+
+    [[nodiscard]] nlohmann::json report() const {
+        nlohmann::json pictures = nlohmann::json::array();
+        for (const auto& file : pictures_.files()) {
+            pictures.push_back(file.string());
+        }
+        nlohmann::json times = nlohmann::json::object();
+        for (std::size_t v = 0; v < compositor_.times().size(); ++v) {
+            const DrawTime& time = compositor_.times()[v];
+            if (time.frames > 0) {
+                times[std::string(render::views()[v].name)] = time.mean_ms();
+            }
+        }
+        nlohmann::json report{
+            {"session", options_.bus.session},
+            {"view", std::string(options_.selection->name)},
+            {"scenarios", input_.scenarios()},
+            {"end", name_of(end_)},
+            {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
+            {"frames", frames_},
+            {"frames_drawn", drawn_},
+            {"frames_held", held_},
+            {"quality", std::string(quality_.name)},
+            {"sync_ms", compositor_.sync_time().mean_ms()},
+            {"draw_ms", times},
+            {"best_glottic_opening_percent", best_.percent()},
+            {"messages_dropped", scene_.dropped()},
+            {"states_missed", input_.arrival().missed()},
+            {"state_age_ms", {{"mean", input_.arrival().mean_ms()}, {"max", input_.arrival().max_ms()}}},
+            {"pictures", pictures}};
+        if (hands_) {
+            report["hands"] = hands_->report();
+        }
+        if (video_) {
+            report["video"] = {{"file", video_->file().string()},
+                               {"frames", video_->frames()},
+                               {"frames_per_second", options_.frames_per_second}};
+        }
+        return report;
+    }
+
+    [[nodiscard]] const render::Quality& quality() const { return quality_; }
+    [[nodiscard]] End end() const { return end_; }
+    [[nodiscard]] bool has_scene() const { return scene_.complete(); }
+
+  private:
+    [[nodiscard]] bool server_lost() const {
+        return (input_.presence() == ServerPresence::gone && input_.presence_for_s() > gone_for_s) ||
+               (input_.presence() == ServerPresence::silent && input_.presence_for_s() > silent_for_s);
+    }
+
+    [[nodiscard]] const Selection& selection() const {
+        return hands_ ? hands_->shown(*options_.selection) : *options_.selection;
+    }
+
+    [[nodiscard]] hud::Readout readout() const {
+        hud::Readout out = hud::make_readout(
+            scene_, end_ == End::lost || input_.presence() == ServerPresence::gone, node_.contested());
+        if (hands_) {
+            hands_->add_to(out);
+        }
+        return out;
+    }
+
+    /// An instructor uses the trainee's eye.
+    [[nodiscard]] render::Vantage vantage_of(const view::SceneView& scene) const {
+        render::Vantage from = options_.vantage;
+        if (options_.instructor && scene.trainee_eye()) {
+            from.eye = view::TraineeEye::from_headset(*scene.trainee_eye());
+        }
+        return from;
+    }
+
+    [[nodiscard]] End why_to_end() const {
+        if (stop_requested()) {
+            return End::stopped;
+        }
+        if (scene_.status() && scene_.status()->phase() == msg::PHASE_FINISHED) {
+            return End::finished;
+        }
+        if (options_.frames > 0 && frames_ >= options_.frames) {
+            return End::enough_frames;
+        }
+        return server_lost() ? End::lost : End::none;
+    }
+
+    // Frames belong to ticks of simulation time. For a tick that could not be drawn the video repeats the
+    // previous picture, so that it stays in step with simulation time.
+    bool draw_if_due() {
+        const double time_s = 1e-9 * static_cast<double>(scene_.simulation_time_ns());
+        const auto tick = static_cast<std::int64_t>(time_s * options_.frames_per_second);
+        if (frames_ > 0 && tick == last_tick_) {
+            return false;
+        }
+        const auto begin = Clock::now();
+        const bool picture_due = options_.picture_interval_s > 0.0 &&
+                                 (frames_ == 0 || time_s >= next_picture_s_ || tick < last_tick_);
+        if (video_) {
+            scene_.update();
+            compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), true,
+                             selection().arrangement);
+            add_to_video(tick);
+            ++drawn_;
+        }
+        if (picture_due) {
+            take_pictures_now("");
+            next_picture_s_ =
+                (std::floor(time_s / options_.picture_interval_s) + 1.0) * options_.picture_interval_s;
+        }
+        input_.publish_eye(scene_, options_.vantage.eye);
+        ++frames_;
+        last_tick_ = tick;
+        const auto spent = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+        spdlog::debug("simulation time {:.2f} s drawn in {:.0f} ms", time_s, spent);
+        return true;
+    }
+
+    void add_to_video(std::int64_t tick) {
+        const std::int64_t missed = frames_ > 0 ? tick - last_tick_ - 1 : 0;
+        const auto longest = static_cast<std::int64_t>(options_.frames_per_second) * longest_hold_s;
+        if (missed > 0 && missed <= longest) {
+            video_->add(last_image_, static_cast<int>(missed));
+            held_ += static_cast<std::uint64_t>(missed);
+        }
+        last_image_ = compositor_.target().read();
+        video_->add(last_image_);
+    }
+
+    void receive() {
+        input_.receive_into(scene_);
+        best_.consider(scene_);
+    }
+
+    /// Draws the current scene from a copy, while the session continues: the best view may last less time
+    /// than drawing takes.
+    void take_pictures_now(std::string_view occasion) {
+        view::SceneView now = scene_;
+        now.update();
+        take_pictures(now, readout(), occasion, [this] { receive(); });
+    }
+
+    /// After the session: by default drawn at the best quality, as there is time.
+    void take_best_pictures(view::SceneView best) {
+        best.update();
+        if (options_.quality == nullptr) {
+            compositor_.set_quality(render::qualities().back());
+        }
+        take_pictures(best, hud::make_readout(best, false), "best");
+    }
+
+    void take_pictures(const view::SceneView& scene, const hud::Readout& said, std::string_view occasion,
+                       const std::function<void()>& between = {}) {
+        pictures_.take(compositor_, selection(), scene, said, vantage_of(scene), occasion, between);
+    }
+
+    const Options& options_;
+    const std::chrono::duration<double> patience_{options_.wait_s.value_or(Options::offscreen_wait_s)};
+    const bus::Node& node_;
+    SessionInput input_;
+    view::SceneView scene_;
+    render::HeadlessContext context_;
+    const render::Quality& quality_;  // for all pictures except those drawn after the session
+    Compositor compositor_;
+    PictureWriter pictures_;
+    BestView best_;
+    std::unique_ptr<HandControls> hands_;
+    std::unique_ptr<render::Video> video_;
+    render::Image last_image_;
+    std::uint64_t frames_ = 0;            // number due
+    std::uint64_t drawn_ = 0, held_ = 0;  // number drawn, and number repeated in the video
+    std::int64_t last_tick_ = -1;
+    double next_picture_s_ = 0.0;
+    End end_ = End::none;
+};
+
+}  // namespace
+
+int run_offscreen(const Options& options, nlohmann::json& result) {
+    prepare_folder(options.offscreen);
+    bus::Node node(options.bus);
+    // The software rasteriser would occupy every core, and these pictures are not urgent. The bus's own
+    // threads are lowered less, as messages would otherwise pile up at their writers.
+    lower_priority(drawing_nice);
+    Offscreen offscreen(options, node);
+    spdlog::info("drawing with {}, quality {}", render::driver_name(), offscreen.quality().name);
+    if (!offscreen.wait_for_scene()) {
+        spdlog::error("no scene came within {} s (--wait): {}",
+                      options.wait_s.value_or(Options::offscreen_wait_s),
+                      bus::missing_server_message(options.bus));
+        return 1;
+    }
+    if (offscreen.has_scene()) {
+        offscreen.follow();
+    }
+    if (offscreen.end() == End::lost) {
+        spdlog::warn("the server is lost; keeping the last picture");
+    }
+    offscreen.finish();
+    result = offscreen.report();
+    spdlog::info("{}: {} pictures, {} frames drawn in {}", result["end"].get<std::string>(),
+                 result["pictures"].size(), result["frames_drawn"].get<std::uint64_t>(),
+                 options.offscreen.string());
+    return 0;
+}
+
+}  // namespace eti::client

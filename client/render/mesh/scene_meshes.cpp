@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/mesh/scene_meshes.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "client/render/lighting.hpp"
+#include "client/render/mesh/creased_mesh.hpp"
+#include "common/math/units.hpp"
+
+namespace eti::render {
+namespace {
+
+constexpr float crease_angle = 40.0f * degree;
+// Straight edges are curved in the lamp's shadow map. Edges of at most this fraction of their distance from
+// the lamp, and of 0.6 mm [m] beside it, err by a hundredth of it.
+constexpr float edge_by_distance = 0.25f, shortest_edge = 0.6e-3f;
+
+using Vertices = std::vector<view::LitVertex>;
+
+// A glass of 0.9 mm radius and 3.4 mm length along the blade.
+GpuMesh bulb_mesh(const Vec3f& centre) {
+    constexpr std::uint32_t rings = 10, sides = 16;
+    constexpr float radius = 0.9e-3f, half_body = 0.8e-3f;
+    Vertices vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t ring = 0; ring <= rings; ++ring) {
+        const float polar = std::numbers::pi_v<float> * static_cast<float>(ring) / rings;
+        for (std::uint32_t side = 0; side < sides; ++side) {
+            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
+            const Vec3f out(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn),
+                            std::cos(polar));
+            const Vec3f along = (out.z() > 0.0f ? half_body : -half_body) * Vec3f::UnitZ();
+            vertices.push_back({centre + along + radius * out, out});
+            if (ring < rings) {
+                const std::uint32_t here = ring * sides + side, next = ring * sides + (side + 1) % sides;
+                triangles.push_back({here, here + sides, next});
+                triangles.push_back({next, here + sides, next + sides});
+            }
+        }
+    }
+    return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {255, 244, 225, 255})};
+}
+
+// A disc at the level of the lowest point resting on it; its rings are dense where the light varies.
+GpuMesh table_mesh(const view::SceneView& scene) {
+    constexpr std::uint32_t rings = 32, sides = 48;
+    constexpr float innermost = 0.012f, outermost = 2.1f;  // [m]
+    float hindmost = 0.0f;
+    for (const auto& [name, surface] : scene.surfaces()) {
+        for (const Vec3f& p : surface.model().mesh.vertices) {
+            hindmost = std::max(hindmost, p.y());
+        }
+    }
+    Vertices vertices{{Vec3f(0.0f, hindmost, 0.0f), -Vec3f::UnitY()}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t ring = 0; ring < rings; ++ring) {
+        const float radius =
+            innermost * std::pow(outermost / innermost, static_cast<float>(ring) / (rings - 1));
+        for (std::uint32_t side = 0; side < sides; ++side) {
+            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
+            vertices.push_back(
+                {Vec3f(radius * std::sin(turn), hindmost, radius * std::cos(turn)), -Vec3f::UnitY()});
+            const std::uint32_t here = 1 + ring * sides + side, next = 1 + ring * sides + (side + 1) % sides;
+            if (ring == 0) {
+                triangles.push_back({0, next, here});
+            } else {
+                triangles.push_back({here - sides, next, here});
+                triangles.push_back({here - sides, next - sides, next});
+            }
+        }
+    }
+    return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {92, 128, 134, 255})};
+}
+
+}  // namespace
+
+void SceneMeshes::rebuild(const view::SceneView& scene) {
+    scene_revision_ = scene.scene_revision();
+    ready_ = false;
+    std::vector<std::shared_ptr<const view::RestSurface>> models;
+    for (const auto& [name, surface] : scene.surfaces()) {
+        models.push_back(surface.shared_model());
+    }
+    baking_ = std::async(std::launch::async, [models, rest = scene.rest_landmarks()] {
+        Appearances looks;
+        for (const auto& model : models) {
+            looks[model->name] = surface_appearance(*model, rest);
+        }
+        return looks;
+    });
+    patient_.build(scene);
+    blade_.reset();
+    bulb_.reset();
+    if (scene.laryngoscope()) {
+        const Vec3f lamp = bulb_centre(scene.keys()->laryngoscope().blade_length);
+        const CreasedMesh mesh = subdivide_long_edges(
+            creased(scene.laryngoscope()->mesh, crease_angle),
+            [&](const Vec3f& at) { return std::max(shortest_edge, edge_by_distance * (at - lamp).norm()); });
+        const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
+        blade_.emplace(mesh.triangles, mesh.vertices, steel);
+        bulb_.emplace(bulb_mesh(lamp));
+    }
+    table_.emplace(table_mesh(scene));
+    tube_.reset();
+}
+
+void SceneMeshes::take_appearances(Baking baking) {
+    if (!baking_.valid() || (baking == Baking::in_background &&
+                             baking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) {
+        return;
+    }
+    const Appearances looks = baking_.get();
+    for (std::size_t part = 0; part < patient_.parts_with_bones().size(); ++part) {
+        patient_.set_appearance(part, looks.at(patient_.parts_with_bones()[part].name));
+    }
+    ready_ = true;
+}
+
+void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
+    if (!scene.complete()) {
+        ready_ = false;
+        scene_revision_ = 0;
+        return;
+    }
+    if (scene_revision_ != scene.scene_revision()) {
+        rebuild(scene);
+    }
+    take_appearances(baking);
+    if (!ready_) {
+        return;
+    }
+    patient_.update(scene);
+    if (const view::TubeSweep* sweep = scene.tube()) {
+        if (!tube_) {
+            tube_.emplace(sweep->triangles());
+        }
+        if (tube_->revision != sweep->revision()) {
+            tube_->upload(sweep->vertices());
+            tube_->revision = sweep->revision();
+        }
+    } else {
+        tube_.reset();
+    }
+}
+
+}  // namespace eti::render

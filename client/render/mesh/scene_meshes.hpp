@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <future>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/render/mesh/gpu_mesh.hpp"
+#include "client/render/mesh/patient_mesh.hpp"
+#include "client/view/scene_view.hpp"
+
+namespace eti::render {
+
+/// Behaviour of sync() while a new scene's colours are computed, which takes up to seconds.
+enum class Baking : std::uint8_t {
+    wait,
+    in_background,  ///< nothing of the scene is drawn until they are ready
+};
+
+/// The scene's meshes, kept in sync with a SceneView.
+class SceneMeshes {
+  public:
+    /// Rebuilds replaced objects and uploads changed state.
+    void sync(const view::SceneView& scene, Baking baking);
+
+    /// Whether there is a scene to draw.
+    [[nodiscard]] bool ready() const { return ready_; }
+
+    [[nodiscard]] PatientMesh& patient() { return patient_; }
+    [[nodiscard]] const PatientMesh& patient() const { return patient_; }
+    [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
+    [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
+    /// A cloth on the table beneath the patient.
+    [[nodiscard]] const std::optional<GpuMesh>& table() const { return table_; }
+    [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
+
+  private:
+    using Appearances = std::map<std::string, SurfaceAppearance>;
+
+    void rebuild(const view::SceneView& scene);
+    void take_appearances(Baking baking);
+
+    std::uint64_t scene_revision_ = 0;
+    bool ready_ = false;
+    std::future<Appearances> baking_;
+    PatientMesh patient_;
+    std::optional<GpuMesh> blade_, bulb_, table_;
+    std::optional<GpuMesh> tube_;
+};
+
+}  // namespace eti::render

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "client/render/draw_context.hpp"
+#include "client/render/gl/shader_variants.hpp"
+#include "client/render/gl/shadow_map.hpp"
+#include "client/render/mesh/scene_meshes.hpp"
+
+namespace eti::render {
+
+/// Shadow maps of the room light and the laryngoscope's lamp. A map that is still valid is reused: the
+/// views and eyes of one state share the lamp's.
+class ShadowPass {
+  public:
+    explicit ShadowPass(const Quality& quality);
+
+    /// Draws the maps that the view's row requires; leaves another framebuffer bound.
+    void draw(const DrawContext& context, SceneMeshes& meshes);
+
+    /// Defines for programs that sample these maps in this view. `lamplit`: whether the lamp reaches what
+    /// they draw.
+    [[nodiscard]] ShaderProgram::Defines defines(const DrawContext& context, bool lamplit) const;
+    /// Sets their uniforms; the program must be in use.
+    void apply(const DrawContext& context, ShaderProgram& program) const;
+
+  private:
+    /// Parameters that differ between the two maps.
+    struct Caster {
+        const char* define;  ///< for the depth program, or nullptr
+        ShadowLod coarse;
+        float bias;           ///< [m], for coarse surfaces
+        float depth;          ///< [m], depth range of the map
+        Eigen::Matrix4f box;  ///< clip volume of possible shadow casters
+        const Light* lamp;    ///< lamp whose reach limits the casters, or nullptr
+    };
+    void fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, const Caster& caster,
+              const DrawContext& context, SceneMeshes& meshes);
+
+    int taps_, lens_taps_;
+    ShadowMap room_, lamp_;
+    ShaderVariants depth_;
+};
+
+}  // namespace eti::render

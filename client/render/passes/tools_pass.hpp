@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "client/render/draw_context.hpp"
+#include "client/render/gl/shader_variants.hpp"
+#include "client/render/mesh/scene_meshes.hpp"
+#include "client/render/passes/shadow_pass.hpp"
+
+namespace eti::render {
+
+/// Laryngoscope and tube.
+class ToolsPass {
+  public:
+    ToolsPass();
+    void draw(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
+    /// Draws the table on which the patient lies.
+    void draw_table(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
+    /// Draws occluded parts of the tools faintly.
+    void draw_hidden(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
+
+  private:
+    void draw_blade(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows,
+                    float opacity);
+    void draw_tube(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows,
+                   float opacity);
+
+    /// Copy of the picture before the tube is drawn.
+    class Backdrop {
+      public:
+        void copy(const Viewport& area);
+        Texture texture;
+
+      private:
+        Framebuffer target_;
+        int width_ = 0, height_ = 0;
+    };
+    void set_refraction(const DrawContext& context, ShaderProgram& program);
+
+    Backdrop backdrop_;
+    ShaderVariants metal_, plastic_, cloth_, flat_;
+};
+
+}  // namespace eti::render

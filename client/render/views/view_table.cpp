@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "client/render/views/view_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace eti::render {
+namespace {
+
+constexpr float between_eyes = 63e-3f;  // [m], interpupillary distance of an adult
+
+using Cameras = std::vector<Camera>;
+
+Cameras from_above(const view::SceneView& scene, const Vantage& from) {
+    const float table_angle = scene.live().table_angle;
+    return {overview_camera(scene.landmarks(), from.orbit, std::isfinite(table_angle) ? table_angle : 0.0f)};
+}
+
+Cameras on_the_blade(const view::SceneView& scene, const Vantage& from) {
+    if (scene.laryngoscope_pose() && scene.keys()) {
+        return {blade_camera(*scene.laryngoscope_pose(), scene.keys()->laryngoscope())};
+    }
+    // No laryngoscope yet.
+    return {close_up_camera(from.eye, scene.landmarks())};
+}
+
+Cameras onto_the_cut(const view::SceneView& scene, const Vantage& from) {
+    return {section_camera(from.section, scene.rest_landmarks(), scene.landmarks())};
+}
+
+Cameras from_the_eye(const view::SceneView& scene, const Vantage& from) {
+    return {eye_camera(from.eye, scene.landmarks())};
+}
+
+// Parallel axes, so that stereo pictures need only a lens correction.
+Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
+    Camera left = from_the_eye(scene, from).front(), right = left;
+    const Vec3f aside = 0.5f * between_eyes * left.view().block<1, 3>(0, 0).transpose();
+    for (const auto& [eye, shift] : {std::pair{&left, Vec3f(-aside)}, std::pair{&right, aside}}) {
+        eye->eye += shift;
+        eye->target += shift;
+    }
+    return {left, right};
+}
+
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools,
+                                   Pass::liquid,      Pass::glottis, Pass::annotations};
+
+const std::array table{
+    View{.name = "eye",
+         .key = '5',
+         .help = "what the trainee's own eye sees",
+         .cameras = from_the_eye,
+         .lighting = laryngoscope_lighting,
+         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
+                    Pass::annotations},
+         .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .auto_show = AutoShow::always,
+         .mouse_target = MouseTarget::eye,
+         .lips_retracted = true},
+    View{.name = "laryngoscope",
+         .key = '3',
+         .help = "video laryngoscope: a camera on the blade",
+         .cameras = on_the_blade,
+         .lighting = laryngoscope_lighting,
+         .passes = of_a_mouth,
+         .overlays = {Overlay::sight_dot},  // the gum is behind the lens
+         .tone = {.metered = 0.28f, .vignette = 1.0f},
+         .auto_show = AutoShow::always,
+         .mouse_target = MouseTarget::eye,
+         .lips_retracted = true,
+         .lens = true},
+    View{.name = "overview",
+         .key = '1',
+         .help = "head and hands from outside",
+         .cameras = from_above,
+         .lighting = overview_lighting,
+         // An observer sees little of the lamp's light through the mouth, with or without lips.
+         .passes = {Pass::room_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid,
+                    Pass::annotations},
+         .overlays = {Overlay::gum_force, Overlay::line_of_sight},
+         .background = Vec3f(0.035f, 0.065f, 0.075f),
+         .auto_show = AutoShow::always,
+         .mouse_target = MouseTarget::onlooker},
+    View{.name = "section",
+         .key = '2',
+         .help = "cut open, along the middle or any plane",
+         .cameras = onto_the_cut,
+         .lighting = section_lighting,
+         .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools,
+                    Pass::annotations},
+         .overlays = {Overlay::gum_force, Overlay::line_of_sight, Overlay::axes},
+         .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .auto_show = AutoShow::enhanced,
+         .mouse_target = MouseTarget::section,
+         .cut = true},
+    View{.name = "stereo",
+         .key = '6',
+         .help = "the trainee's both eyes, side by side",
+         .cameras = from_both_eyes,
+         .lighting = laryngoscope_lighting,
+         .passes = of_a_mouth,
+         .overlays = {},  // they would need a depth
+         .background = Vec3f(0.016f, 0.022f, 0.028f),
+         .auto_show = AutoShow::alone,
+         .mouse_target = MouseTarget::eye,
+         .lips_retracted = true},
+};
+
+}  // namespace
+
+const View& headset_view() {
+    // The whole patient in front of the trainee, with one room lamp for both eyes.
+    static const View view{
+        .name = "hmd",
+        .key = '\0',
+        .help = "the trainee's headset",
+        .cameras = [](const view::SceneView&, const Vantage& from) { return from.headset_eyes; },
+        .lighting = headset_lighting,
+        .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
+                   Pass::annotations},
+        .overlays = {Overlay::gum_force, Overlay::sight_dot, Overlay::axes},
+        .background = Vec3f(0.035f, 0.065f, 0.075f),
+        .auto_show = AutoShow::alone,
+        .mouse_target = MouseTarget::eye,
+        .lips_retracted = true};
+    return view;
+}
+
+bool View::has(Pass pass) const {
+    return std::ranges::find(passes, pass) != passes.end();
+}
+
+bool View::has(Overlay overlay) const {
+    return std::ranges::find(overlays, overlay) != overlays.end();
+}
+
+Camera View::camera(const view::SceneView& scene, const Vantage& from) const {
+    return cameras(scene, from).front();
+}
+
+std::span<const View> views() {
+    return table;
+}
+
+const View* view_named(std::string_view name) {
+    const auto found = std::ranges::find(table, name, &View::name);
+    return found == table.end() ? nullptr : &*found;
+}
+
+}  // namespace eti::render

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/guard/admission.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace eti::bus {
+
+namespace {
+
+// Bounds memory use on a hostile network.
+constexpr std::size_t max_participants = 256, max_writers = 4096, most_news = 16;
+
+}  // namespace
+
+void Admission::on_discovered(const ParticipantId& participant, const std::string& name, bool as_server) {
+    const std::lock_guard lock(mutex_);
+    if (candidates_.size() < max_participants) {
+        candidates_.try_emplace(participant, Candidate{name, as_server, ++order_});
+        reevaluate();
+    }
+}
+
+void Admission::on_removed(const ParticipantId& participant) {
+    const std::lock_guard lock(mutex_);
+    candidates_.erase(participant);
+    reported_.erase(participant);
+    blocked_.erase(participant);
+    forget_writers(participant);
+    reevaluate();
+}
+
+void Admission::on_discovered(const WriterId& writer, std::string_view topic) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find(topics::all, topic, &TopicWriterPolicy::name);
+    if (known == std::end(topics::all) || known->from == WriterPolicy::any) {
+        return;
+    }
+    if (blocked_.contains(writer.participant)) {
+        return;
+    }
+    writers_.try_emplace(writer, Writer{known->name, known->from, ++order_, false});
+    if (writers_.size() > max_writers) {
+        block_participants_over_limit();
+    }
+    reevaluate();
+}
+
+void Admission::on_removed(const WriterId& writer) {
+    const std::lock_guard lock(mutex_);
+    writers_.erase(writer);
+    reevaluate();
+}
+
+void Admission::on_liveliness_changed(const WriterId& writer, bool alive) {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = writers_.find(writer); known != writers_.end()) {
+        known->second.lost = !alive;
+        reevaluate();
+    }
+}
+
+void Admission::release_ownership(std::string_view topic) {
+    const std::lock_guard lock(mutex_);
+    if (const auto followed = followed_.find(topic); followed != followed_.end()) {
+        writers_.at(followed->second).lost = true;
+        reevaluate();
+    }
+}
+
+bool Admission::rejects(const WriterId& writer) const {
+    if (!any_refused_.load(std::memory_order_acquire)) {
+        return false;
+    }
+    const std::lock_guard lock(mutex_);
+    return refused_.contains(writer) || blocked_.contains(writer.participant);
+}
+
+std::optional<ParticipantId> Admission::owner() const {
+    const std::lock_guard lock(mutex_);
+    return owner_;
+}
+
+bool Admission::serves(const ParticipantId& participant) const {
+    const std::lock_guard lock(mutex_);
+    return std::ranges::any_of(writers_, [&](const auto& writer) {
+        return writer.first.participant == participant && writer.second.topic == topics::session_status.name;
+    });
+}
+
+std::vector<std::string> Admission::take_log_lines() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(log_lines_, {});
+}
+
+void Admission::forget_writers(const ParticipantId& participant) {
+    std::erase_if(writers_, [&](const auto& writer) { return writer.first.participant == participant; });
+}
+
+/// The participant with the most writers is blocked to make room, so that newcomers do not suffer.
+void Admission::block_participants_over_limit() {
+    std::map<ParticipantId, std::size_t> counts;
+    for (const auto& [id, writer] : writers_) {
+        if (id.participant != owner_) {
+            ++counts[id.participant];
+        }
+    }
+    if (counts.empty()) {
+        return;
+    }
+    const auto most = std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; });
+    if (blocked_.size() < max_participants) {
+        blocked_.insert(most->first);
+    }
+    forget_writers(most->first);
+}
+
+bool Admission::silent(const ParticipantId& participant) const {
+    return std::ranges::any_of(writers_, [&](const auto& writer) {
+        return writer.first.participant == participant && writer.second.lost;
+    });
+}
+
+std::string Admission::name_of(const ParticipantId& participant) const {
+    const auto known = candidates_.find(participant);
+    return known != candidates_.end() && !known->second.name.empty()
+               ? known->second.name
+               : "a participant that does not introduce itself";
+}
+
+void Admission::choose_owner() {
+    if (self_) {
+        return;
+    }
+    if (owner_ && candidates_.contains(*owner_) && !silent(*owner_)) {
+        return;
+    }
+    const Candidate* best = nullptr;
+    std::optional<ParticipantId> chosen;
+    for (const auto& [id, candidate] : candidates_) {
+        if (candidate.as_server && !silent(id) && (best == nullptr || candidate.order < best->order)) {
+            best = &candidate;
+            chosen = id;
+        }
+    }
+    // A silent owner may return; it stays the owner until there is another candidate or it leaves.
+    if (chosen || (owner_ && !candidates_.contains(*owner_))) {
+        owner_ = chosen;
+    }
+}
+
+bool Admission::may_write(const WriterId& id, const Writer& writer) const {
+    if (writer.source == WriterPolicy::exclusive) {
+        const auto followed = followed_.find(writer.topic);
+        return followed == followed_.end() || followed->second == id;
+    }
+    if (self_) {
+        return false;
+    }
+    const auto candidate = candidates_.find(id.participant);
+    const bool introduced = candidate != candidates_.end() && candidate->second.as_server;
+    return owner_ ? id.participant == *owner_ : introduced;
+}
+
+/// Recomputes which participant owns the session, which writers are followed and which are rejected.
+void Admission::reevaluate() {
+    choose_owner();
+    std::erase_if(followed_, [&](const auto& entry) { return !writers_.contains(entry.second); });
+    for (const auto& [id, writer] : writers_) {
+        if (writer.source != WriterPolicy::exclusive) {
+            continue;
+        }
+        const auto followed = followed_.find(writer.topic);
+        const auto rank = [](const Writer& one) { return std::pair(one.lost, one.order); };
+        if (followed == followed_.end() || rank(writer) < rank(writers_.at(followed->second))) {
+            followed_[writer.topic] = id;
+        }
+    }
+
+    std::set<WriterId> refused;
+    std::optional<ParticipantId> second;
+    for (const auto& [id, writer] : writers_) {
+        if (may_write(id, writer)) {
+            continue;
+        }
+        refused.insert(id);
+        // A server that has fallen silent was killed; it does not contest the session.
+        const bool contests =
+            writer.topic == topics::session_status.name && !writer.lost && (owner_ || self_);
+        if (contests) {
+            second = id.participant;
+        } else if (candidates_.contains(id.participant) && !writer.lost && log_lines_.size() < most_news &&
+                   reported_.insert(id.participant).second) {
+            log_lines_.push_back(fmt::format(
+                "{} writes {}, which is {}: not listened to", name_of(id.participant), writer.topic,
+                writer.source == WriterPolicy::exclusive ? "another's while that one is heard"
+                                                         : "the server's alone to write"));
+        }
+    }
+    if (second.has_value() != contested_.load() && log_lines_.size() < most_news) {
+        log_lines_.push_back(
+            second ? fmt::format("{} writes this session's status beside its server{}: it is not listened "
+                                 "to, and forces are off until it is gone",
+                                 name_of(*second), owner_ ? fmt::format(" {}", name_of(*owner_)) : "")
+                   : "the session has one server again");
+    }
+    contested_.store(second.has_value(), std::memory_order_relaxed);
+    refused_ = std::move(refused);
+    any_refused_.store(!refused_.empty() || !blocked_.empty(), std::memory_order_release);
+}
+
+}  // namespace eti::bus

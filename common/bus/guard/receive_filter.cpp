@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/bus/guard/receive_filter.hpp"
+
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/UDPv6TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/guard/rtps_message.hpp"
+#include "common/bus/guard/sequence_number_guard.hpp"
+#include "common/bus/library_log.hpp"
+#include "common/process/log_throttle.hpp"
+#include "common/process/watchdog.hpp"
+
+namespace eti::bus {
+
+namespace transport = eprosima::fastdds::rtps;
+namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+/// Descriptor of a chained transport: names the transport below it.
+struct Chain final : transport::ChainingTransportDescriptor {
+    using ChainingTransportDescriptor::ChainingTransportDescriptor;
+    transport::TransportInterface* create_transport() const override {
+        return low_level_descriptor->create_transport();
+    }
+};
+
+/// Threads that wait for the library would wait forever, so the program cannot shut down in order.
+void exit_on_watchdog() {
+    bus_log().critical(
+        "the DDS library has not come back from a datagram for {} s: this program ends; forces "
+        "faded when it fell silent, and a session file keeps what was written. Start it again; if "
+        "this goes on, somebody sends hostile datagrams (docs/network.md)",
+        watchdog_timeout.count());
+    bus_log().flush();
+    std::_Exit(exit_watchdog);
+}
+
+/// One per process, never destroyed: threads that the library leaves behind may still use it at exit, and
+/// waiting for them in the destructor gave them time to use objects already destroyed.
+Watchdog& watch() {
+    static auto* const one =
+        new Watchdog(std::chrono::seconds(1), static_cast<int>(watchdog_timeout.count()), exit_on_watchdog);
+    return *one;
+}
+
+/// What the filters of one participant query.
+struct Questions {
+    std::shared_ptr<const Admission> admission;
+    std::shared_ptr<SequenceNumberGuard> reached = std::make_shared<SequenceNumberGuard>();
+    Watchdog* watch = &eti::bus::watch();
+};
+
+class ReceiveFilter final : public transport::ChainingTransport {
+  public:
+    ReceiveFilter(const std::shared_ptr<transport::TransportDescriptorInterface>& below, Questions ask)
+        : ChainingTransport(Chain(below)), below_(below), ask_(std::move(ask)) {}
+
+    transport::TransportDescriptorInterface* get_configuration() override { return below_.get(); }
+
+    bool send(rtps::SenderResource* sender, const rtps::octet* buffer, std::uint32_t size,
+              rtps::LocatorsIterator* first, rtps::LocatorsIterator* end,
+              const std::chrono::steady_clock::time_point& limit) override {
+        return sender->send(buffer, size, first, end, limit);
+    }
+
+    void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
+                 const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+        bool by_admission = false, leaps = false;
+        const auto refused = [&](const WriterSubmessage& written) {
+            by_admission = ask_.admission->rejects(written.writer);
+            leaps =
+                !by_admission && written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to);
+            return by_admission || leaps;
+        };
+        if (is_well_formed({buffer, size}, refused)) {
+            const Watchdog::Call call(*ask_.watch);
+            next->OnDataReceived(buffer, size, local, remote);
+        } else if (!by_admission) {
+            log_dropped(size, leaps ? "says of its writer more samples than it can have written"
+                                    : "is not sound RTPS");
+        }
+    }
+
+  private:
+    static void log_dropped(std::uint32_t size, std::string_view why) {
+        static LogThrottle limit;
+        if (const auto suppressed = limit.allow(why)) {
+            bus_log().warn("a datagram of {} bytes that {} was dropped{}", size, why,
+                           suppressed_suffix(*suppressed));
+        }
+    }
+
+    std::shared_ptr<transport::TransportDescriptorInterface> below_;
+    Questions ask_;
+};
+
+/// A descriptor type of its own, which the library requires.
+template <class Descriptor>
+struct Filtered final : Descriptor {
+    Filtered(const Descriptor& below, Questions questions) : Descriptor(below), ask(std::move(questions)) {}
+
+    transport::TransportInterface* create_transport() const override {
+        return new ReceiveFilter(std::make_shared<Descriptor>(*this), ask);
+    }
+
+    Questions ask;
+};
+
+template <class Descriptor>
+std::shared_ptr<transport::TransportDescriptorInterface> filtered_as(
+    const transport::TransportDescriptorInterface& given, std::uint32_t largest, const Questions& ask) {
+    const auto* const known = dynamic_cast<const Descriptor*>(&given);
+    if (known == nullptr) {
+        return nullptr;
+    }
+    Descriptor below = *known;
+    below.maxMessageSize = std::min(below.maxMessageSize, largest);
+    return std::make_shared<Filtered<Descriptor>>(below, ask);
+}
+
+std::shared_ptr<transport::TransportDescriptorInterface> filtered(
+    const std::shared_ptr<transport::TransportDescriptorInterface>& given, std::uint32_t largest,
+    const Questions& ask, const std::string& profile) {
+    const auto as = [&]<class... Kinds>() {
+        std::shared_ptr<transport::TransportDescriptorInterface> out;
+        (void)((out = filtered_as<Kinds>(*given, largest, ask)) || ...);
+        return out;
+    };
+    auto out =
+        as.template operator()<transport::UDPv4TransportDescriptor, transport::SharedMemTransportDescriptor,
+                               transport::UDPv6TransportDescriptor>();
+    if (!out) {
+        throw BusError(fmt::format(
+            "{}: names a transport that is neither UDP nor shared memory; use one of these. Over "
+            "TCP this release of the DDS library crashes: a network that lets no UDP through needs "
+            "a tunnel for it (docs/network.md)",
+            profile));
+    }
+    return out;
+}
+
+}  // namespace
+
+void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
+                            std::uint32_t max_datagram_bytes,
+                            const std::shared_ptr<const Admission>& admission, const std::string& profile) {
+    const Questions ask{admission};
+    for (auto& one : transports) {
+        one = filtered(one, max_datagram_bytes, ask, profile);
+    }
+}
+
+}  // namespace eti::bus

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/bus/guard/admission.hpp"
+
+namespace eti::bus {
+
+/// Puts a filter before the receivers of a participant's transports. A datagram never reaches the library if
+/// it is not is_well_formed(), comes from a writer that `admission` rejects, or carries an implausible
+/// sequence number. Sent datagrams have at most `max_datagram_bytes` bytes. Supports UDP and shared memory;
+/// throws BusError on another kind, naming `profile`, the file that requested it. When the library does not
+/// return from a datagram for `watchdog_timeout`, the program reports that and ends at once with status
+/// `exit_watchdog`.
+void install_receive_filter(
+    std::vector<std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>>& transports,
+    std::uint32_t max_datagram_bytes, const std::shared_ptr<const Admission>& admission,
+    const std::string& profile);
+
+/// Longer than any stall of a working session; forces are zero after 0.3 s.
+inline constexpr std::chrono::seconds watchdog_timeout{30};
+inline constexpr int exit_watchdog = 70;  // EX_SOFTWARE of sysexits.h
+
+}  // namespace eti::bus

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "common/session/repair/recording_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+namespace eti::session {
+
+namespace {
+
+struct flock whole_file(short kind) {
+    struct flock lock {};
+    lock.l_type = kind;
+    lock.l_whence = SEEK_SET;
+    return lock;
+}
+
+}  // namespace
+
+void RecordingLock::set(const std::filesystem::path& path) {
+    clear();
+    file_ = Descriptor(::open(path.c_str(), O_RDWR | O_CLOEXEC));
+    if (file_) {
+        struct flock lock = whole_file(F_WRLCK);
+        (void)::fcntl(file_.get(), F_OFD_SETLK, &lock);
+    }
+}
+
+std::optional<int> RecordingLock::deleted() const {
+    struct stat status {};
+    if (!file_ || ::fstat(file_.get(), &status) != 0 || status.st_nlink > 0) {
+        return std::nullopt;
+    }
+    return file_.get();
+}
+
+bool is_being_written(const std::filesystem::path& path) {
+    // Opening a pipe would block until it has a writer.
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    struct flock lock = whole_file(F_RDLCK);
+    return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
+}  // namespace eti::session

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "deploy/doctor/session.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include "common/bus/echo.hpp"
+#include "common/bus/peers.hpp"
+#include "common/model/pace.hpp"
+#include "common/process/stop_signal.hpp"
+
+namespace eti::doctor {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds between_questions{100};
+constexpr std::chrono::microseconds between_looks{200};  // added to every round trip
+// A longer delay is felt in the hand (docs/hands); messages arrive every 5.6 ms.
+constexpr double slow_ms = 20.0;
+// The age of a frame is computed from two clocks; a larger offset than a frame's duration falsifies it.
+constexpr double clock_ms = 15.0;
+constexpr double lossy_percent = 1.0;
+
+template <class Message>
+void take_all(bus::Subscriber<Message>& topic, ChunkLossCounter& loss) {
+    for (Message message; topic.take(message);) {
+        if constexpr (requires { message.chunks(); }) {
+            loss.note(message.header().number(), message.chunks());
+        } else {
+            loss.note(message.header().number(), 1);
+        }
+    }
+}
+
+TopicReport report_of(std::string_view topic, const ChunkLossCounter& loss) {
+    return {std::string(topic), loss.arrived(), loss.lost(), loss.percent()};
+}
+
+Finding diagnose_peer(const PeerReport& peer) {
+    const double median = percentile(peer.round_trips_ms, 0.5);
+    Finding finding{"peer", peer.name, State::ok, "", ""};
+    const std::string who = fmt::format("{} {} version {}", peer.name, peer.process, peer.version);
+    if (peer.protocol != bus::protocol) {
+        finding.state = State::problem;
+        finding.text =
+            fmt::format("{} speaks protocol {}, this program {}", who, peer.protocol, bus::protocol);
+        finding.remedy =
+            "they do not understand each other; run programs of the same version on all machines";
+        return finding;
+    }
+    if (peer.round_trips_ms.empty()) {
+        finding.state = State::problem;
+        finding.text = fmt::format("{} is announced, but answers nothing", who);
+        finding.remedy =
+            "it was started with other network options than this program, it hangs, or a firewall lets UDP "
+            "from 7400 on through one way alone (docs/network.md)";
+        return finding;
+    }
+    finding.text = fmt::format(
+        "{}: round trip {:.2f} ms at least, {:.2f} median, {:.2f} p99 of {}; clock {:+.2f} ms "
+        "(within {:.2f})",
+        who, percentile(peer.round_trips_ms, 0.0), median, percentile(peer.round_trips_ms, 0.99),
+        peer.round_trips_ms.size(), peer.clock_offset_ms, peer.error_ms);
+    if (median > slow_ms) {
+        finding.state = State::problem;
+        finding.remedy = fmt::format(
+            "a hand feels what is later than {} ms; use a cable, a nearer machine, or a less "
+            "busy one",
+            slow_ms);
+    } else if (std::abs(peer.clock_offset_ms) > clock_ms + peer.error_ms) {
+        finding.state = State::info;
+        finding.remedy = "the ages of pictures and messages are told by clocks; run chrony on both machines";
+    }
+    return finding;
+}
+
+}  // namespace
+
+void ChunkLossCounter::note(std::uint32_t number, std::uint32_t chunks) {
+    if (arrived_++ == 0) {
+        last_ = number;
+        chunks_ = std::max(1u, chunks);
+        of_last_ = 1;
+    } else if (number == last_) {
+        ++of_last_;
+    } else if (number > last_) {
+        const std::uint32_t states = (number - last_ + steps_ / 2) / steps_;
+        const std::uint64_t due = chunks_ + std::uint64_t{states > 0 ? states - 1 : 0} * std::max(1u, chunks);
+        const std::uint64_t missing = due > of_last_ ? due - of_last_ : 0;
+        // The number of chunks of the first state that were sent before this reader joined is unknown.
+        if (settled_ > 0 || chunks_ == 1) {
+            lost_ += missing;
+        }
+        settled_ += of_last_;
+        last_ = number;
+        chunks_ = std::max(1u, chunks);
+        of_last_ = 1;
+    } else if (lost_ > 0) {
+        --lost_;  // a late one, counted as lost before
+    }
+}
+
+double ChunkLossCounter::percent() const {
+    const auto lost = static_cast<double>(lost_), all = lost + static_cast<double>(arrived_);
+    return all > 0.0 ? 100.0 * lost / all : 0.0;
+}
+
+SessionReport observe(const bus::Options& options, std::chrono::duration<double> duration) {
+    bus::Node node(options);
+    bus::EchoRequester asker(node);
+    bus::Subscriber<msg::SessionStatus> status(node, bus::topics::session_status);
+    bus::Subscriber<msg::DeformationState> deformation(node, bus::topics::deformation);
+    bus::Subscriber<msg::LiveMetrics> metrics(node, bus::topics::live_metrics);
+    ChunkLossCounter deformation_loss(steps_per_second / 90), metrics_loss(steps_per_second / 30);
+    SessionReport report;
+    std::map<std::string, bus::Peer> met;
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(duration);
+    for (auto question = Clock::now(); Clock::now() < end && !stop_requested();) {
+        if (Clock::now() >= question) {
+            (void)asker.ask();
+            question += between_questions;
+            for (const bus::Peer& one : bus::discovered_peers(node)) {
+                met[one.process] = one;
+            }
+            report.server = report.server || status.matched() > 0;
+            report.contested = report.contested || node.contested();
+        }
+        asker.poll();
+        take_all(deformation, deformation_loss);
+        take_all(metrics, metrics_loss);
+        std::this_thread::sleep_for(between_looks);
+    }
+    for (const auto& [process, one] : met) {
+        if (one.session != options.session) {
+            if (!std::ranges::count(report.elsewhere, one.session)) {
+                report.elsewhere.push_back(one.session);
+            }
+            continue;
+        }
+        PeerReport peer{one.name, one.process, one.version, one.protocol, one.serves, {}, 0.0, 0.0};
+        if (const auto told = asker.peers().find(process); told != asker.peers().end()) {
+            peer.round_trips_ms = told->second.round_trips_ms;
+            peer.clock_offset_ms = told->second.clock_offset_ms;
+            peer.error_ms = 0.5 * told->second.min_round_trip_ms;
+        }
+        report.peers.push_back(peer);
+    }
+    if (report.server) {
+        report.topics = {report_of(bus::topics::deformation.name, deformation_loss),
+                         report_of(bus::topics::live_metrics.name, metrics_loss)};
+    }
+    return report;
+}
+
+Findings diagnose_session(const SessionReport& report, const bus::Options& options) {
+    Findings findings;
+    if (report.contested) {
+        findings.push_back(
+            {"session", options.session, State::problem, "two programs write this session's status",
+             "nobody's forces are to be believed; stop one of them, or keep strangers out with "
+             "--identity (docs/security.md)"});
+    }
+    if (report.server) {
+        findings.push_back({"session", options.session, State::ok,
+                            fmt::format("a server runs it; {} programs met", report.peers.size()), ""});
+    } else {
+        const auto [finding, remedy] = bus::explain_missing_server(options);
+        findings.push_back({"session", options.session, State::problem, finding, remedy});
+    }
+    if (!report.server && !report.elsewhere.empty()) {
+        findings.push_back({"session", "others", State::info,
+                            fmt::format("on this domain there is '{}'", fmt::join(report.elsewhere, "', '")),
+                            "is that the --session meant?"});
+    }
+    for (const PeerReport& peer : report.peers) {
+        findings.push_back(diagnose_peer(peer));
+    }
+    for (const TopicReport& topic : report.topics) {
+        Finding finding{"loss", topic.topic, State::ok,
+                        fmt::format("{} of {} messages lost ({:.2f} %)", topic.lost,
+                                    topic.lost + topic.arrived, topic.lost_percent),
+                        ""};
+        if (topic.arrived == 0) {
+            finding.state = State::info;
+            finding.text = "nothing came";
+            finding.remedy = "the session may be waiting for its devices; else look at the server's log";
+        } else if (topic.lost_percent > lossy_percent) {
+            finding.state = State::problem;
+            finding.remedy =
+                "larger socket buffers (above), a cable instead of radio, or fewer observers on this link";
+        }
+        findings.push_back(finding);
+    }
+    return findings;
+}
+
+double percentile(std::vector<double> values, double share) {
+    if (values.empty()) {
+        return 0.0;
+    }
+    std::ranges::sort(values);
+    const auto last = static_cast<double>(values.size() - 1);
+    return values[static_cast<std::size_t>(std::ceil(share * last))];
+}
+
+}  // namespace eti::doctor

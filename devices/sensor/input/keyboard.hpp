@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <memory>
+
+#include "devices/sensor/drivers.hpp"
+
+namespace eti::devices {
+
+/// Terminal keys as a pad: the arrows deflect axes 0 and 1, '[' and ']' axis 4, for a tenth of a second each;
+/// 's' toggles button 0.
+[[nodiscard]] std::unique_ptr<Sensor> open_keyboard(const SensorSetup& setup);
+
+}  // namespace eti::devices

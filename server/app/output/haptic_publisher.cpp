@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/output/haptic_publisher.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/bus/codec/convert.hpp"
+#include "server/app/output/scene_messages.hpp"
+
+namespace eti::app {
+
+namespace {
+
+using bus::make_header;
+using bus::to_msg;
+
+}  // namespace
+
+HapticPublisher::HapticPublisher(bus::Node& node)
+    : proxy_(node, bus::topics::proxy),
+      contacts_(node, bus::topics::tissue_contacts),
+      tube_force_(node, bus::topics::tube_force),
+      thread_([this] { run(); }) {}
+
+HapticPublisher::~HapticPublisher() {
+    finish();
+}
+
+void HapticPublisher::post_proxy(const scene::ProxySnapshot& proxy) {
+    {
+        const std::scoped_lock lock(mutex_);
+        skipped_ += fresh_proxy_ ? 1 : 0;
+        waiting_proxy_ = proxy;
+        fresh_proxy_ = true;
+    }
+    wake_.notify_one();
+}
+
+void HapticPublisher::post_forces(const scene::Snapshot& s) {
+    {
+        const std::scoped_lock lock(mutex_);
+        Forces& f = waiting_forces_;
+        f.step = s.step;
+        f.time_ns = s.time_ns;
+        f.proxy = s.proxy;
+        f.tissue_force = s.tissue_force;
+        f.tissue_torque = s.tissue_torque;
+        f.tube_force = s.tube_force;
+        f.tube_torque = s.tube_torque;
+        f.contacts = s.tissue_contacts;
+        fresh_forces_ = true;
+    }
+    wake_.notify_one();
+}
+
+void HapticPublisher::finish() {
+    if (!thread_.joinable()) {
+        return;
+    }
+    {
+        const std::scoped_lock lock(mutex_);
+        ending_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+}
+
+std::uint64_t HapticPublisher::skipped() const {
+    const std::scoped_lock lock(mutex_);
+    return skipped_;
+}
+
+void HapticPublisher::run() {
+    bool ending = false;
+    while (!ending) {
+        bool proxy = false, forces = false;
+        {
+            std::unique_lock lock(mutex_);
+            wake_.wait(lock, [&] { return fresh_proxy_ || fresh_forces_ || ending_; });
+            ending = ending_;
+            if ((proxy = std::exchange(fresh_proxy_, false))) {
+                std::swap(sent_proxy_, waiting_proxy_);
+            }
+            if ((forces = std::exchange(fresh_forces_, false))) {
+                std::swap(sent_forces_, waiting_forces_);
+            }
+        }
+        if (proxy) {
+            publish(sent_proxy_);
+        }
+        if (forces) {
+            publish(sent_forces_);
+        }
+    }
+}
+
+void HapticPublisher::publish(const scene::ProxySnapshot& s) {
+    msg::ProxyState message = proxy_message(s);
+    proxy_.publish(message);
+}
+
+void HapticPublisher::publish(const Forces& s) {
+    msg::TissueContacts contacts;
+    contacts.header(make_header(s.time_ns, static_cast<std::uint32_t>(s.step)));
+    contacts.proxy(to_msg(s.proxy));
+    contacts.force(to_msg(s.tissue_force));
+    contacts.torque(to_msg(s.tissue_torque));
+    const std::size_t sent = std::min(msg::bound::TissueContacts_contacts, s.contacts.size());
+    contacts.dropped(static_cast<std::uint32_t>(s.contacts.size() - sent));
+    // A uniform subset of all contacts, so that a bounded message still covers the whole blade.
+    for (std::size_t i = 0; i < sent; ++i) {
+        const scene::TissueContact& t = s.contacts[i * s.contacts.size() / sent];
+        msg::TissueContactPoint c;
+        c.position(to_msg(t.position));
+        c.rest(to_msg(t.rest));
+        c.force(to_msg(t.force));
+        c.radius(t.radius);
+        c.tissue(static_cast<std::uint32_t>(t.tissue));
+        contacts.contacts().push_back(c);
+    }
+    contacts_.publish(contacts);
+
+    msg::TubeForce tube;
+    tube.header(contacts.header());
+    tube.force(to_msg(s.tube_force));
+    tube.torque(to_msg(s.tube_torque));
+    tube_force_.publish(tube);
+}
+
+}  // namespace eti::app

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/output/scene_messages.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/codec/convert.hpp"
+#include "common/bus/codec/fluid_state.hpp"
+#include "common/bus/security/session_keys.hpp"
+#include "common/model/pace.hpp"
+
+namespace eti::app {
+
+namespace {
+
+using bus::make_header;
+using bus::to_msg;
+
+// Number of states within which every frame is sent again, for late joiners and lost chunks.
+constexpr std::uint32_t refresh_states = 45;
+// 24 bytes per frame; the first chunk also carries the tube's nodes. Each chunk fits in 1300 bytes.
+constexpr std::size_t frames_per_chunk = msg::bound::DeformationState_frames;
+constexpr std::size_t frames_in_first_chunk = 24;
+
+std::uint16_t quantised(float weight) {
+    return static_cast<std::uint16_t>(std::lround(weight * 65535.0f));
+}
+
+std::int16_t quantised_unit(float x) {
+    return static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767.0f));
+}
+
+msg::FrameUpdate frame_update(std::size_t index, const FramePose& pose) {
+    msg::FrameUpdate update;
+    update.frame(static_cast<std::uint16_t>(index));
+    update.qw(quantised_unit(pose.rotation.w()));
+    update.qx(quantised_unit(pose.rotation.x()));
+    update.qy(quantised_unit(pose.rotation.y()));
+    update.qz(quantised_unit(pose.rotation.z()));
+    update.x(pose.centre.x());
+    update.y(pose.centre.y());
+    update.z(pose.centre.z());
+    return update;
+}
+
+void append(std::vector<float>& to, const Vec3f& v) {
+    to.insert(to.end(), {v.x(), v.y(), v.z()});
+}
+
+}  // namespace
+
+msg::SessionDescription description_message(const std::string& session, const Scenario& scenario,
+                                            const anatomy::Patient& patient, const Laryngoscope& scope,
+                                            const RuntimeParameters& start) {
+    msg::SessionDescription message;
+    message.session(session);
+    message.header(make_header(0, 0));
+    message.version(ETI_VERSION);
+    message.scenario(scenario.name);
+    message.description(scenario.description);
+    message.scenario_text(scenario.text);
+    message.steps_per_second(steps_per_second);
+    message.time_limit_s(scenario.time_limit);
+    message.patient_weight_kg(patient.weight);
+    bus::set_keys(start, message);
+    bus::set_tools(scope, scenario.tube, message);
+    message.liquid(std::string(name_of(scenario.liquid)));
+    for (std::size_t i = 0; i < landmark_count; ++i) {
+        msg::LandmarkKey& key = message.landmarks().emplace_back();
+        key.name(std::string(landmark_names[i]));
+        key.rest(to_msg(patient.landmarks[i].rest));
+    }
+    return message;
+}
+
+std::vector<msg::SceneDescription> scene_messages(const anatomy::Patient& patient,
+                                                  const Laryngoscope& scope) {
+    std::vector<msg::SceneDescription> objects;
+    const auto object = [&](std::string name, msg::ObjectKind kind) -> msg::SceneDescription& {
+        objects.emplace_back();
+        objects.back().object(name);
+        objects.back().kind(kind);
+        return objects.back();
+    };
+    msg::SceneDescription& frames = object("frames", msg::OBJECT_FRAMES);
+    for (const Vec3f& centre : patient.frame_rest_centre) {
+        append(frames.vertices(), centre);
+    }
+    for (const Surface& surface : patient.surfaces) {
+        msg::SceneDescription& o = object(surface.name, msg::OBJECT_SURFACE);
+        o.tissue(static_cast<std::uint32_t>(surface.tissue));
+        for (const Vec3f& v : surface.mesh.vertices) {
+            append(o.vertices(), v);
+        }
+        for (const Triangle& t : surface.mesh.triangles) {
+            o.triangles().insert(o.triangles().end(), t.begin(), t.end());
+        }
+        for (const Tissue t : surface.triangle_tissue) {
+            o.triangle_tissue().push_back(static_cast<std::uint8_t>(t));
+        }
+        for (const SkinWeights& skin : surface.skin) {
+            o.skin_frame().insert(o.skin_frame().end(), skin.frame.begin(), skin.frame.end());
+            for (const float w : skin.weight) {
+                o.skin_weight().push_back(quantised(w));
+            }
+        }
+    }
+    msg::SceneDescription& blade = object("laryngoscope", msg::OBJECT_TOOL);
+    const TriangleMesh mesh = laryngoscope_mesh(scope);
+    for (const Vec3f& v : mesh.vertices) {
+        append(blade.vertices(), v);
+    }
+    for (const Triangle& t : mesh.triangles) {
+        blade.triangles().insert(blade.triangles().end(), t.begin(), t.end());
+    }
+    for (msg::SceneDescription& o : objects) {
+        o.object_count(static_cast<std::uint32_t>(objects.size()));
+        o.header(make_header(0, 0));
+    }
+    return objects;
+}
+
+msg::LiveMetrics live_message(const scene::Snapshot& snapshot, const AttemptStatus& live) {
+    msg::LiveMetrics message;
+    message.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
+    message.attempt(live.attempt);
+    message.attempt_running(live.attempt_running);
+    message.glottic_opening_percent(live.glottic_opening_percent);
+    message.gum_force_n(live.gum_force);
+    message.tube_depth_past_glottis(live.tube_depth_past_glottis);
+    message.tube_force_n(snapshot.tube_force.norm());
+    message.tube_place(static_cast<msg::TubePlace>(live.tube_place));
+    const std::size_t around =
+        std::min(msg::bound::LiveMetrics_glottis_contour, snapshot.glottis_contour.size());
+    for (std::size_t i = 0; i < around; ++i) {
+        message.glottis_contour().push_back(to_msg(snapshot.glottis_contour[i]));
+    }
+    message.tube_tip(to_msg(snapshot.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : snapshot.tube_nodes.back()));
+    bus::set_runtime_parameters(snapshot.runtime_parameters, message);
+    for (const Vec3f& p : snapshot.landmarks) {
+        message.landmarks().push_back(to_msg(p));
+    }
+    message.parameters(bus::to_msg(live.metrics));
+    message.eye_heard(live.eye.has_value());
+    message.eye(to_msg(live.eye.value_or(RigidTransform{})));
+    message.message(live.message);
+    return message;
+}
+
+msg::ProxyState proxy_message(const scene::ProxySnapshot& s) {
+    msg::ProxyState message;
+    message.header(make_header(s.time_ns, static_cast<std::uint32_t>(s.step)));
+    message.device(to_msg(s.device));
+    message.proxy(to_msg(s.proxy));
+    message.velocity(to_msg(s.proxy_velocity));
+    message.angular_velocity(to_msg(s.proxy_angular_velocity));
+    for (std::size_t i = 0; i < std::min(msg::bound::ProxyState_contacts, s.shell_contacts.size()); ++i) {
+        msg::ShellContact c;
+        c.position(to_msg(s.shell_contacts[i].position));
+        c.normal(to_msg(s.shell_contacts[i].normal));
+        c.force(s.shell_contacts[i].force);
+        c.tissue(static_cast<std::uint32_t>(s.shell_contacts[i].tissue));
+        message.contacts().push_back(c);
+    }
+    return message;
+}
+
+void DeformationMessages::make(const scene::Snapshot& snapshot,
+                               const std::function<void(msg::DeformationState&)>& send) {
+    const std::size_t count = snapshot.frames.size();
+    const bool first = sent_.size() != count;
+    sent_.resize(count);
+    std::vector<std::uint16_t> due;
+    const auto per_state = static_cast<std::uint32_t>(count / refresh_states + 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const bool in_turn = (i + static_cast<std::uint32_t>(count) - refresh_) % count < per_state;
+        if (first || in_turn || has_moved(sent_[i], snapshot.frames[i])) {
+            due.push_back(static_cast<std::uint16_t>(i));
+            sent_[i] = snapshot.frames[i];
+        }
+    }
+    refresh_ = count > 0 ? (refresh_ + per_state) % static_cast<std::uint32_t>(count) : 0;
+    const std::size_t beyond_first =
+        due.size() > frames_in_first_chunk ? due.size() - frames_in_first_chunk : 0;
+    const std::size_t chunks = 1 + (beyond_first + frames_per_chunk - 1) / frames_per_chunk;
+    std::size_t next = 0;
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+        msg::DeformationState state;
+        state.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
+        state.chunk(static_cast<std::uint16_t>(chunk));
+        state.chunks(static_cast<std::uint16_t>(chunks));
+        if (chunk == 0) {
+            for (std::size_t i = 0;
+                 i < std::min(msg::bound::DeformationState_tube_nodes, snapshot.tube_nodes.size()); ++i) {
+                state.tube_nodes().push_back(to_msg(snapshot.tube_nodes[i]));
+            }
+        }
+        const std::size_t end =
+            std::min(due.size(), next + (chunk == 0 ? frames_in_first_chunk : frames_per_chunk));
+        for (; next < end; ++next) {
+            state.frames().push_back(frame_update(due[next], snapshot.frames[due[next]]));
+        }
+        send(state);
+    }
+}
+
+void fluid_messages(const scene::Snapshot& snapshot, const std::function<void(msg::FluidState&)>& send) {
+    const scene::SalivaState& saliva = snapshot.saliva;
+    if (!saliva.on) {
+        return;
+    }
+    const bus::Liquid liquid{saliva.lower, saliva.upper, saliva.spacing, saliva.positions};
+    msg::FluidState state;
+    state.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
+    for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(saliva.positions.size()); ++chunk) {
+        bus::encode_fluid_chunk(liquid, chunk, state);
+        send(state);
+    }
+}
+
+}  // namespace eti::app

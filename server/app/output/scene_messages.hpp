@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "common/model/attempt_metrics.hpp"
+#include "common/model/runtime_parameters.hpp"
+#include "common/model/tools/tools.hpp"
+#include "common/scenario/scenario.hpp"
+#include "server/metrics/metrics.hpp"
+#include "server/patient/model/patient.hpp"
+#include "server/scene/snapshot.hpp"
+
+namespace eti::app {
+
+/// Values of the running attempt for LiveMetrics.
+struct AttemptStatus {
+    std::uint32_t attempt = 0;
+    bool attempt_running = false;
+    float glottic_opening_percent = 0.0f;
+    float gum_force = 0.0f;                 ///< [N]
+    float tube_depth_past_glottis = -1.0f;  ///< [m]
+    metrics::TubePlace tube_place = metrics::TubePlace::outside;
+    AttemptMetrics metrics;
+    std::string message;
+    std::optional<RigidTransform> eye{};  ///< of the trainee, if it has been received
+};
+
+/// Description of a session, sent once. `start`: runtime parameters at the start of the session.
+[[nodiscard]] msg::SessionDescription description_message(const std::string& session,
+                                                          const Scenario& scenario,
+                                                          const anatomy::Patient& patient,
+                                                          const Laryngoscope& scope,
+                                                          const RuntimeParameters& start);
+
+/// Rest shapes of everything drawn: frames, surfaces, laryngoscope.
+[[nodiscard]] std::vector<msg::SceneDescription> scene_messages(const anatomy::Patient& patient,
+                                                                const Laryngoscope& scope);
+
+[[nodiscard]] msg::ProxyState proxy_message(const scene::ProxySnapshot& proxy);
+
+[[nodiscard]] msg::LiveMetrics live_message(const scene::Snapshot& snapshot, const AttemptStatus& live);
+
+/// Frames as last sent on one topic, so that only changes are sent.
+class DeformationMessages {
+  public:
+    /// Calls `send` with each chunk of a state: the frames that have moved since they were last sent, and a
+    /// part of a slow full refresh. The first state has all frames.
+    void make(const scene::Snapshot& snapshot, const std::function<void(msg::DeformationState&)>& send);
+
+  private:
+    std::vector<FramePose> sent_;
+    std::uint32_t refresh_ = 0;  // next frame of the slow full refresh
+};
+
+/// Calls `send` with each chunk of the saliva; does nothing without saliva.
+void fluid_messages(const scene::Snapshot& snapshot, const std::function<void(msg::FluidState&)>& send);
+
+}  // namespace eti::app

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/run/command_handler.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/process/log_throttle.hpp"
+#include "server/patient/model/swelling.hpp"
+
+namespace eti::app {
+
+namespace {
+
+// Tolerance for a float's rounding of typed bounds, such as 1.4 or 20 degrees.
+constexpr float rounding = 1e-6f;
+
+/// Reason why a typed value is out of range, or an empty string.
+std::string outside(const RuntimeParameterField& field, float typed, float low, float high) {
+    const float slack = rounding * std::max(std::fabs(low), std::fabs(high));
+    if (typed >= low - slack && typed <= high + slack) {
+        return {};
+    }
+    return fmt::format("{} {:.4g}{}{}, expected {:.4g} to {:.4g}", field.label, typed,
+                       field.unit.empty() ? "" : " ", field.unit, low, high);
+}
+
+}  // namespace
+
+void CommandHandler::handle(const ReceivedCommand& command) {
+    const std::string refusal = apply(command);
+    answer_.recipient(command.sender);
+    answer_.id(command.id);
+    answer_.accepted(refusal.empty());
+    answer_.reason(refusal);
+    if (!refusal.empty()) {
+        static LogThrottle limit;
+        const std::string sender = sanitized_text(command.sender);
+        if (const auto suppressed = limit.allow(sender)) {
+            spdlog::warn("command {} of '{}' refused: {}{}", command.id, sender, refusal,
+                         suppressed_suffix(*suppressed));
+        }
+    }
+}
+
+void CommandHandler::discard(const ReceivedCommand& command) {
+    answer_.recipient(command.sender);
+    answer_.id(command.id);
+    answer_.accepted(true);
+    answer_.reason("a later one of its kind took its place");
+}
+
+std::string CommandHandler::apply(const ReceivedCommand& command) {
+    if (command.name == "start") {
+        return {};  // the simulation runs from the server's start
+    }
+    if (command.name == "stop") {
+        stopped_ = true;
+        return {};
+    }
+    if (command.name == "next") {
+        next_ = has_next_session_;
+        return has_next_session_
+                   ? ""
+                   : "no session follows this one; start the server with several: --scenario A --scenario B";
+    }
+    if (command.name == "reset") {
+        reset_ = true;
+        return {};
+    }
+    const RuntimeParameterField* const field = find_runtime_parameter(command.name);
+    if (field == nullptr) {
+        return fmt::format("this server has no '{}': it is older or newer than its sender", command.name);
+    }
+    std::string refusal = refusal_of(*field, command.value);
+    if (refusal.empty()) {
+        wanted_.*field->value = field->clamped(command.value);
+    }
+    return refusal;
+}
+
+std::string CommandHandler::refusal_of(const RuntimeParameterField& field, float value) const {
+    float low = field.low, high = field.high;
+    if (field.value == &RuntimeParameters::tongue_scale) {
+        low = std::max(low, anatomy::min_growth * limits_.tongue_scale);
+        high = std::min(high, anatomy::max_growth * limits_.tongue_scale);
+    }
+    if (std::string refusal = outside(field, value / field.per_unit, low, high); !refusal.empty()) {
+        return refusal;
+    }
+    if (field.on_off && value != 0.0f && value != 1.0f) {
+        return fmt::format("{} {:.4g}, expected 0 or 1", field.label, value);
+    }
+    if (field.value == &RuntimeParameters::tongue_scale &&
+        wanted_.tissue_stiffness > limits_.max_stable_modulus_at(value)) {
+        return fmt::format(
+            "tongue scale {:.3g}: at {:.3g} kPa, {} grown so far bear {:.3g}; make the tissue softer first",
+            value, 1e-3f * wanted_.tissue_stiffness, limits_.limiting_element,
+            1e-3f * limits_.max_stable_modulus_at(value));
+    }
+    if (field.value == &RuntimeParameters::tissue_stiffness &&
+        value > limits_.max_stable_modulus_at(wanted_.tongue_scale)) {
+        return fmt::format(
+            "tissue stiffness {:.3g} kPa, but {} bear at most {:.3g} in a tongue of scale {:.3g}; "
+            "restart with more physics.substeps",
+            1e-3f * value, limits_.limiting_element,
+            1e-3f * limits_.max_stable_modulus_at(wanted_.tongue_scale), wanted_.tongue_scale);
+    }
+    if (field.value == &RuntimeParameters::secretion && !limits_.saliva) {
+        return "there is no liquid in this scenario; restart it with 'saliva: standby', "
+               "which has none until it is asked for";
+    }
+    return {};
+}
+
+bool CommandHandler::take_reset() {
+    return std::exchange(reset_, false);
+}
+
+}  // namespace eti::app

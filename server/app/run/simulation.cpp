@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/run/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/hdf5/handle.hpp"
+#include "common/model/pace.hpp"
+#include "common/model/thresholds.hpp"
+#include "common/model/tools/parked_pose.hpp"
+#include "server/app/run/patient_cache.hpp"
+#include "server/patient/newborn/from_scenario.hpp"
+
+namespace eti::app {
+
+namespace {
+
+constexpr std::uint64_t steps_per_view_check =
+    steps_per_second / static_cast<std::uint64_t>(threshold::look_rate.value);
+
+/// Physiology of the newborn if vital signs are simulated. A built model provides its weight only.
+std::optional<metrics::Physiology> physiology_of(const Scenario& scenario, const anatomy::Patient& patient) {
+    if (!scenario.vital_signs) {
+        return std::nullopt;
+    }
+    const float weeks = scenario.patient.model.empty() ? scenario.patient.shape.gestational_age
+                                                       : median_gestational_age(patient.weight);
+    return metrics::physiology(static_cast<double>(patient.weight), static_cast<double>(weeks),
+                               static_cast<double>(scenario.inspired_oxygen));
+}
+
+/// Throws for substeps that are too long for a tongue of tetrahedra.
+scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient& patient) {
+    const int substeps = scenario.physics.substeps;
+    const PatientLimits limits = limits_of(scenario, patient);
+    if (const float wanted = patient.tissue_stiffness; wanted > limits.max_stable_modulus) {
+        throw InputError(fmt::format(
+            "scenario '{}': tissue_stiffness_kpa is {:g}, but {} bear at most {:.3g} with {} substeps; raise "
+            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_method to implicit",
+            scenario.name, 1e-3f * wanted, limits.limiting_element, 1e-3f * limits.max_stable_modulus,
+            substeps,
+            static_cast<int>(
+                std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / limits.max_stable_modulus)))));
+    }
+    return {.substeps = substeps,
+            .tissue_method = scenario.physics.tissue_method,
+            .head_scale = limits.head_scale,
+            .tongue_scale = limits.tongue_scale,
+            .max_stable_modulus = limits.max_stable_modulus,
+            .rigid = {},
+            .self_contact = scenario.physics.self_contact,
+            .sleep = scenario.physics.sleep,
+            .saliva = scenario.saliva,
+            .liquid = scenario.liquid,
+            .dry_start = scenario.saliva_standby,
+            .seed = scenario.seed,
+            .manikin = scenario.manikin};
+}
+
+}  // namespace
+
+PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient) {
+    PatientLimits limits;
+    limits.saliva = scenario.saliva;
+    // A model file's own sizes count as 1.
+    const NewbornShape built = scenario.patient.model.empty() ? scenario.patient.shape : NewbornShape();
+    limits.head_scale = built.head_scale;
+    limits.tongue_scale = built.tongue_scale;
+    const anatomy::ParticleSet& set = patient.particles;
+    const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
+    if (scenario.physics.tissue_method == TissueMethod::tetrahedra && tongue != set.tissue.end()) {
+        const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
+        limits.limiting_element = fmt::format("tetrahedra of {:.3g} mm", 1e3f * spacing);
+        limits.max_stable_modulus = pbd::Tetrahedra::max_stable_modulus(
+            spacing, anatomy::tissue_density, step_duration / static_cast<float>(scenario.physics.substeps));
+    }
+    return limits;
+}
+
+scene::Inputs parked_inputs(const Scenario& scenario, const anatomy::Patient& patient) {
+    scene::Inputs inputs;
+    inputs.laryngoscope = parked_pose(Tool::laryngoscope);
+    inputs.tube_grip = parked_pose(Tool::tube);
+    inputs.runtime_parameters = scenario.runtime_parameters;
+    inputs.runtime_parameters.tissue_stiffness = patient.tissue_stiffness;
+    return inputs;
+}
+
+anatomy::Patient patient_of(const Scenario& scenario) {
+    if (!scenario.patient.model.empty()) {
+        try {
+            return anatomy::load_patient(scenario.patient.model);
+        } catch (const hdf5::Error& error) {
+            throw InputError(
+                fmt::format("scenario '{}', key 'patient.model': {}", scenario.name, error.what()));
+        }
+    }
+    return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
+}
+
+Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario)
+    : manikin_(scenario.manikin), viewer_(patient, scope, {.tube_radius = scenario.tube.outer_radius()}) {
+    metrics_.begin(patient, scope, static_cast<double>(scenario.time_limit), physiology_of(scenario, patient),
+                   manikin_ ? metrics::PatientKind::manikin : metrics::PatientKind::newborn);
+}
+
+void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3f>& eye) {
+    due_ = snapshot.step % steps_per_view_check == 0;
+    if (due_ && !manikin_) {
+        eye_ = eye ? *eye : best_eye(snapshot.landmarks);
+        view_ = viewer_.evaluate(snapshot, eye_);
+    }
+    metrics_.observe(snapshot, view_);
+}
+
+Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
+    : scope_(make_laryngoscope(scenario.blade)),
+      scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
+      assessor_(patient, scope_, scenario),
+      tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {}
+
+void Simulation::step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye) {
+    scene_.step(inputs);
+    assessor_.observe(snapshot(), eye);
+}
+
+double Simulation::time() const {
+    return static_cast<double>(snapshot().time_ns) * 1e-9;
+}
+
+Observation Simulation::observation() const {
+    const scene::Snapshot& s = snapshot();
+    const metrics::LiveMetrics& live = metrics().live();
+    return {time(),
+            s.landmarks,
+            live.glottic_opening_percent,
+            s.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : s.tube_nodes.back(),
+            live.tube_depth_past_glottis,
+            s.proxy,
+            tube_depth_rule_};
+}
+
+}  // namespace eti::app

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/patient/newborn/build/build.hpp"
+
+namespace eti::anatomy {
+
+namespace {
+
+/// A lattice position of a family; tetrahedra do not connect different lattices or families.
+struct LatticeCell {
+    int family;
+    float spacing;  // [m]
+    std::array<int, 3> index;
+    auto operator<=>(const LatticeCell&) const = default;
+};
+
+// Division of a cube, corners numbered by bits x, y, z, into a regular tetrahedron and four that cut off the
+// other corners. Neighbouring cubes alternate between the two variants, so that their faces match and left
+// mirrors right.
+constexpr int cut[2][5][4] = {
+    {{1, 2, 4, 7}, {0, 1, 2, 4}, {3, 1, 2, 7}, {5, 1, 4, 7}, {6, 2, 4, 7}},
+    {{0, 3, 5, 6}, {1, 0, 3, 5}, {2, 0, 3, 6}, {4, 0, 5, 6}, {7, 3, 5, 6}},
+};
+
+}  // namespace
+
+void build_tetrahedra(const Anatomy& anatomy, Patient& patient) {
+    const ParticleSet& set = patient.particles;
+    const Vec3f low = anatomy.airway_bounds()[0];
+    std::map<LatticeCell, std::uint32_t> particle_at;
+    for (std::uint32_t i = 0; i < set.size(); ++i) {
+        const float spacing = 2.0f * set.radius[i];
+        const Vec3f steps = (set.rest[i] - Vec3f(0.0f, low.y(), low.z())) / spacing;
+        particle_at[{family_of(set.tissue[i]),
+                     spacing,
+                     {static_cast<int>(std::lround(steps.x())), static_cast<int>(std::floor(steps.y())),
+                      static_cast<int>(std::floor(steps.z()))}}] = i;
+    }
+    std::set<LatticeCell> cells;  // each identified by its lowest corner
+    for (const auto& [at, i] : particle_at) {
+        for (int k = 0; k < 8; ++k) {
+            LatticeCell cell = at;
+            for (int axis = 0; axis < 3; ++axis) {
+                cell.index[static_cast<std::size_t>(axis)] -= k >> axis & 1;
+            }
+            cells.insert(cell);
+        }
+    }
+    constexpr std::uint32_t none = ~0u;
+    for (const LatticeCell& cell : cells) {
+        std::array<std::uint32_t, 8> corner{};
+        for (int k = 0; k < 8; ++k) {
+            LatticeCell at = cell;
+            for (int axis = 0; axis < 3; ++axis) {
+                at.index[static_cast<std::size_t>(axis)] += k >> axis & 1;
+            }
+            const auto found = particle_at.find(at);
+            corner[static_cast<std::size_t>(k)] = found == particle_at.end() ? none : found->second;
+        }
+        const int parity = (cell.index[0] + cell.index[1] + cell.index[2]) & 1;
+        for (const auto& numbers : cut[parity]) {
+            std::array<std::uint32_t, 4> ends{};
+            bool whole = true;
+            bool moves = false;
+            for (std::size_t k = 0; k < 4; ++k) {
+                ends[k] = corner[static_cast<std::size_t>(numbers[k])];
+                whole = whole && ends[k] != none;
+                moves = moves || (whole && set.mass[ends[k]] > 0.0f);
+            }
+            if (whole && moves) {
+                patient.tetrahedra.corners.push_back(ends);
+            }
+        }
+    }
+    // Particles in neither cluster nor tetrahedron are isolated: they move with the bones.
+    std::vector<bool> held(set.size(), false);
+    for (const std::uint32_t i : patient.clusters.member) {
+        held[i] = true;
+    }
+    for (const auto& corners : patient.tetrahedra.corners) {
+        for (const std::uint32_t i : corners) {
+            held[i] = true;
+        }
+    }
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        if (!held[i]) {
+            patient.particles.mass[i] = 0.0f;
+        }
+    }
+}
+
+}  // namespace eti::anatomy

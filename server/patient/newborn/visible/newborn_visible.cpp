@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/patient/newborn/jaw.hpp"
+#include "server/patient/newborn/newborn.hpp"
+#include "server/patient/newborn/shape.hpp"
+#include "server/patient/newborn/visible/visible_head.hpp"
+#include "server/patient/newborn/visible/visible_larynx.hpp"
+#include "server/patient/newborn/visible/visible_mouth.hpp"
+
+namespace eti::anatomy {
+
+VisibleFields Newborn::visible_fields(const Vec3f& point) const {
+    const Vec3f p = usual_place(to_model(point));
+    const Vec3f in_jaw = to_jaw(p);
+    VisibleFields seen;
+    seen.cloth = visible_cloth(p) * scale_;
+    const float skin = visible_skin(p, in_jaw, cranium_);
+    if (skin > 2.0f) {
+        seen.body = skin * scale_;
+        return seen;
+    }
+    const float tongue = visible_tongue(to_tongue(p), shape_.tongue_scale);
+    const Gums gums = visible_gums(p, in_jaw);
+    const float organs = std::min({visible_palate(p), gums.upper, gums.lower, visible_laryngeal_solid(p)});
+    const float air = smooth_union(
+        smooth_difference(throat_and_mouth(p, in_jaw, rest_jaw_deg_, shape_.mouth_scale), organs, 0.5f),
+        visible_laryngeal_lumen(p), 0.3f);
+    // Leaves no visible gap between tongue and floor of the mouth.
+    constexpr float overlap = 0.5f;
+    seen.body = std::max(skin, -std::min(air, tongue + overlap)) * scale_;
+    seen.tongue = tongue * scale_;
+    seen.epiglottis = visible_epiglottis(p) * scale_;
+    return seen;
+}
+
+Tissue Newborn::visible_tissue(const Vec3f& point) const {
+    const Vec3f p = usual_place(to_model(point));
+    constexpr float near = 0.5f;
+    if (visible_laryngeal_lumen(p) < near) {
+        return on_vocal_cord(p) ? Tissue::vocal_cord : p.z() < -40.5f ? Tissue::trachea : Tissue::larynx;
+    }
+    const Tissue lined = lining(point);
+    if (lined != Tissue::soft) {
+        return lined;
+    }
+    if (p.z() < -24.0f && visible_laryngeal_solid(p) < near) {
+        return Tissue::larynx;
+    }
+    return visible_skin(p, to_jaw(p), cranium_) > -1.0f &&
+                   on_lip(turn_about_jaw(p, 0.5f * rest_jaw_deg_), shape_.mouth_scale)
+               ? Tissue::lip
+               : Tissue::soft;
+}
+
+float Newborn::epiglottis_coupling(const Vec3f& point) const {
+    const Vec3f p = usual_place(to_model(point));
+    return plate_coupling(p, visible_epiglottis(p), visible_laryngeal_solid(p));
+}
+
+std::array<Vec3f, 2> Newborn::visible_bounds() const {
+    const auto [low, high] = bounds();
+    const Vec3f a = from_model({-68, 0, trunk_end});
+    const Vec3f b = from_model({68, 0, trunk_end});
+    return {low.cwiseMin(a), high.cwiseMax(b)};
+}
+
+}  // namespace eti::anatomy

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include "common/math/transform.hpp"
+
+// Drawn face, head and trunk in the newborn's model coordinates: x left, y anterior, z superior; millimetres
+// of the 3.5 kg term newborn.
+namespace eti::anatomy {
+
+/// Outline of head, neck and trunk. `in_jaw`: the point in the coordinates of the closed jaw.
+[[nodiscard]] float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
+
+/// The cloth around the trunk.
+[[nodiscard]] float visible_cloth(const Vec3f& p);
+
+/// Whether a point of the face lies on the lips' vermilion. `half`: the point half-way between the
+/// coordinates of upper and lower jaw.
+[[nodiscard]] bool on_lip(const Vec3f& half, float mouth_width);
+
+/// Lower end of the cloth.
+constexpr float trunk_end = -142.0f;
+
+}  // namespace eti::anatomy

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/pbd/contact/mesh_contact.hpp"
+#include "server/pbd/soft/coarse_level.hpp"
+#include "server/pbd/soft/tetrahedra.hpp"
+
+namespace eti::pbd {
+
+/// A tetrahedral mesh of stable neo-Hookean material (see neo_hookean.hpp), advanced by implicit Euler, which
+/// XPBD's passes approach only with ever shorter substeps. A step minimises
+///     1/(2 dt^2) (x - x~)^T M (x - x~) + Psi(x),   x~ = position + dt velocity
+/// by one Newton step from the last position. It is solved by a fixed number of matrix-free conjugate
+/// gradient iterations, preconditioned by the particles' 3x3 diagonal blocks and a coarse level (see
+/// CoarseLevel). With the element's P = sum p_v Q_v (rows of Q)
+///     K P = mu V (f P Q Q^T + (H : P) H / r + s dcof[P]),  H = det Q cof D,  s = (J - 1 - r) / r,
+/// r = mu / lambda. s is clamped so that every element's matrix stays positive definite: dcof's eigenvalues
+/// are at most the largest stretch, whose square is bounded by (I1 + 2 sqrt(I1^2 - 3 I2)) / 3, exact at rest.
+/// f compensates elements that are stiffer than the clamped matrix.
+///
+/// Neither changes the equilibrium, nor do too few iterations: starting from the last position, they cause
+/// errors in time but not at rest, unlike an inertial initial guess under a constant load. An unsupported
+/// body therefore falls slowly and bounces on contacts: the method is for supported, overdamped bodies.
+/// Gradients: Macklin & Müller 2021; energy: Smith, de Goes & Kim 2018.
+class ImplicitTetrahedra {
+  public:
+    struct Settings {
+        int iterations = 8;  ///< of conjugate gradients; cost grows linearly
+        /// Contact stiffness relative to the particles' own. Contact forces converge within a few steps; at
+        /// three times this, a tongue of 1 mm oscillates between blade and jaw.
+        float contact_stiffness_scale = 0.3f;
+    };
+    Settings settings;
+
+    /// A spring to a point that is fixed within a step.
+    struct Spring {
+        std::uint32_t particle = 0;
+        Vec3f to = Vec3f::Zero();
+        float stiffness = 0.0f;  ///< [N/m]
+    };
+    /// Both are filled by the caller; particles must be free corners.
+    std::vector<Spring> springs;
+    std::vector<MeshContact> contacts;
+
+    /// `inverse_mass` [particles][1/kg]; particles with 0 follow `predicted`.
+    void configure(const Tetrahedra::Description& description, const Particles& particles,
+                   std::span<const float> inverse_mass);
+    /// As in Tetrahedra.
+    void set_rest(const Particles& particles);
+    void set_youngs_modulus(std::span<const float> moduli);
+
+    /// Advances `particles.predicted` by a step of `dt` [s] and updates the contact forces. On entry it holds
+    /// the positions before the step (for held particles: the target positions). No particle moves farther
+    /// than half a cell from its predicted position, beyond which the linearisation is invalid; otherwise all
+    /// displacements are scaled down. Bit-identical for any number of threads. Does not allocate once the
+    /// counts are known.
+    void solve(Particles& particles, float dt);
+    /// solve() in two parts; springs and contacts may be filled in concurrently with the first.
+    void linearise(const Particles& particles, float dt);
+    void solve_linearised(Particles& particles, float dt);
+
+    /// The particles that are corners, in the order of the corner indices below.
+    [[nodiscard]] std::span<const std::uint32_t> particles() const { return mesh_.particles(); }
+    [[nodiscard]] std::size_t size() const { return mesh_.size(); }
+    /// [1/kg]
+    [[nodiscard]] float inverse_mass(std::size_t corner) const { return inverse_mass_[corner]; }
+    /// Stiffness [N/m] of a single corner with all others fixed, at rest; mean over directions.
+    [[nodiscard]] float own_stiffness(std::size_t corner) const { return own_stiffness_[corner]; }
+
+    /// Enables AVX2; configure() sets it to what the processor supports. Results are bit-identical either
+    /// way.
+    void use_avx2(bool wanted) { avx2_ = wanted; }
+
+    /// Linearisation of eight tetrahedra.
+    struct alignas(32) Element {
+        float metric[6][Tetrahedra::lanes];   ///< mu V Q Q^T [N/m]
+        float edge[3][3][Tetrahedra::lanes];  ///< [m], columns of D
+        float bulk[Tetrahedra::lanes];        ///< lambda V det^2 Q [N/m^5]
+        float pressure[Tetrahedra::lanes];    ///< mu V s det Q, s clamped [N/m^2]
+    };
+
+  private:
+    using Wide = CoarseLevel::Wide;  // [corners], then padding of blocks
+
+    /// A spatially compact part of the tetrahedra that one task processes, and its contributions to its
+    /// corners. The partition depends on the mesh only.
+    struct Part {
+        std::vector<std::array<std::uint32_t, 2>> blocks;  // ranges of the mesh's blocks
+        std::uint32_t first = 0, end = 0;                  // corners
+        // Per corner: gradient and, fourth, the isotropic part of the diagonal; the rest of its diagonal
+        // block: xx yy zz, yz zx xy; and the image of a direction.
+        Wide gradient, square, mixed, image;
+        float curvature = 0.0f;  // along along_ [J]
+    };
+    struct Inverse {
+        Eigen::Vector4f column[3];
+    };
+    /// Corners that one task processes, and their partial sums for the conjugate gradients.
+    struct Range {
+        std::size_t first = 0, end = 0;
+        float product = 0.0f;    // residual times preconditioned residual, the blocks' part [J]
+        float curvature = 0.0f;  // along along_, of masses and springs [J]
+        CoarseLevel::Motion force;
+    };
+
+    void cut();
+    void measure_own_stiffness();
+    /// Linearises the parts' elements at x_.
+    void linearise_elements();
+    void add_springs(const Particles& particles);
+    void add_contacts();
+    void conjugate_gradients();
+    void invert_blocks(const Range& range);
+    /// Applies the block preconditioner to the residual, and restricts the residual to the coarse level.
+    void precondition(Range& range);
+    /// Completes it with the coarse level: returns residual times preconditioned residual [J].
+    [[nodiscard]] float join_levels();
+    /// Updates the direction; `keep` is the factor of the last one.
+    void turn(Range& range, float keep);
+    /// Applies the matrix to along_ by parts, and returns the curvature along it [J].
+    [[nodiscard]] float apply();
+    /// Advances along the direction by `step_length`.
+    void advance(const Range& range, float step_length);
+    void advance_contacts(float step_length);
+    /// The constrained part of along_ at a contact.
+    [[nodiscard]] Vec3f held_displacement(const MeshContact& contact) const;
+    [[nodiscard]] std::array<std::uint32_t, 2> corners_of(const MeshContact& contact) const {
+        return {corner_of_[contact.particle[0]], corner_of_[contact.particle[1]]};
+    }
+
+    Tetrahedra mesh_;
+    std::vector<Part> parts_;
+    std::vector<Range> ranges_;
+    std::vector<Element> element_;          // as the mesh's blocks
+    std::vector<std::uint32_t> corner_of_;  // [particles]
+    std::vector<float> inverse_mass_, own_stiffness_;
+    float ratio_ = 1.0f;         // mu / lambda
+    float longest_step_ = 0.0f;  // [m]
+    bool avx2_ = false;
+    Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, moved_, step_;
+    std::vector<Inverse> inverse_;
+    CoarseLevel coarse_;
+    CoarseLevel::Motion coarse_force_;
+    float configured_modulus_ = 0.0f;  // [Pa], sum over tetrahedra
+};
+
+}  // namespace eti::pbd
