@@ -2,17 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Makes the figures of docs/ and README anew: measures, draws, and puts them where the pages show them.
+# Regenerates the figures of docs/ and README: measures, draws, and copies them to where the pages show them.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 PARTS=(accuracy calibration stability sufficiency sleep haptics bus soak anatomy pictures render readers panel first_session report)
-# How long each takes on two cores.
+# Duration of each on two cores.
 declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [soak]="three hours" [anatomy]="a minute" [pictures]="a minute"
                   [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes"
                   [report]="two minutes")
+# What carries a stamp with its physics version, cheapest first; the others are pictures.
+STAMPED=(calibration sleep stability readers render haptics sufficiency accuracy bus soak)
 PICTURES=(laryngoscope section overview)
 LESSONS=(lesson_2 lesson_3 lesson_4 lesson_5 final)
 CHARTS=$ETI_ROOT/docs/charts
@@ -20,10 +22,12 @@ OUT=$ETI_ROOT/out/figures
 
 usage() {
     cat <<USAGE
-Usage: deploy/figures.sh [--quick] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
+Usage: deploy/figures.sh [--quick | --stale] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
 Measures anew what docs/ shows and draws it. Without options that takes more than seven hours. A part's tables replace
 those of docs/charts once its measurement has ended well; until then they lie in out/figures.
   --quick       measure nothing: draw all charts again from the tables of docs/charts (ten seconds)
+  --stale       only the parts whose tables belong to another physics version, cheapest first: names them, then
+                measures them anew. With --list: only names them
   --only NAME   this part; may be given several times:
 $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "${TAKES[$part]}"; done)
   --demo DIR    for pictures: take those of this demo's folder (out/demo/demo-...) instead of running one,
@@ -38,10 +42,11 @@ first_session the steps of an intubation with mouse and keys, report the page ab
 USAGE
 }
 
-quick=no build=yes install=yes list=no demo='' only=()
+quick=no stale=no build=yes install=yes list=no demo='' only=()
 while [ $# -gt 0 ]; do
     case $1 in
         --quick) quick=yes ;;
+        --stale) stale=yes ;;
         --only)
             [ $# -ge 2 ] && [ -n "${TAKES[$2]:-}" ] || eti_fail "--only wants one of: ${PARTS[*]}"
             only+=("$2")
@@ -60,12 +65,16 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-[ ${#only[@]} -gt 0 ] || only=("${PARTS[@]}")
+[ $quick = no ] || [ $stale = no ] || eti_fail "--quick measures nothing, so that nothing stale can become fresh: give one of both"
+if [ ${#only[@]} -eq 0 ]; then
+    [ $stale = yes ] && only=("${STAMPED[@]}") || only=("${PARTS[@]}")
+fi
 
+stamps() { "$ETI_PYTHON" -B "$ETI_ROOT/docs/stamps.py" --server "$ETI_ROOT/build/release/bin/eti-server" "$@"; }
 plot() { "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/plot.py" "$CHARTS" "$@"; }
 draws() { case $1 in accuracy | calibration | stability | sleep | haptics | bus | soak) true ;; *) false ;; esac; }
 
-# bench PART ARGUMENT...: a command of eti-bench into a folder of its own, and its tables to docs/charts.
+# bench PART ARGUMENT...: runs a command of eti-bench with a folder of its own, and copies its tables to docs/charts.
 bench() {
     local folder=$OUT/$1
     shift
@@ -83,7 +92,7 @@ anatomy() {
         cp "$folder/phantom.png" "$folder/cranium.png" "$pages"
 }
 
-# README's: of one moment of a demo, when the glottis was seen best.
+# README's figures: one moment of a demo, at the best view of the glottis.
 pictures() {
     local folder=$demo view found
     if [ -z "$folder" ]; then
@@ -100,7 +109,7 @@ pictures() {
     done
 }
 
-# What one sees at moments of attempts, against goals, and a contact sheet.
+# Views at moments of attempts, against goals, and a contact sheet.
 render() {
     local folder=$OUT/render
     rm -rf "$folder"
@@ -109,7 +118,7 @@ render() {
         cp "$folder/term_expert.png" "$ETI_ROOT/docs/rendering.png"
 }
 
-# What a lab's reader gets while the blade lifts the tongue, and what reading costs the server.
+# Output of a lab's reader while the blade lifts the tongue, and the cost of reading for the server.
 readers() {
     local folder=$OUT/readers bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 96) server read
     mkdir -p "$folder" && "$ETI_ROOT/deploy/examples/build.sh" "$folder" >&2 || return 1
@@ -135,14 +144,14 @@ panel() {
     [ $taken = 0 ]
 }
 
-# An intubation with mouse and keys, as the tutorial leads through it: a picture as each lesson begins, and of the end.
+# An intubation with mouse and keys, following the tutorial: a picture at the start of each lesson, and of the end.
 first_session() {
     local folder=$OUT/first_session bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 95) server lesson
     rm -rf "$folder" && mkdir -p "$folder"
     "$bin/eti-server" --scenario term --finish-after-attempt "${place[@]}" >&2 &
     server=$!
     XDG_CONFIG_HOME=$folder "$bin/eti-client" --offscreen "$folder" --no-video --every 0 --hands --tutorial on \
-        --play "$ETI_ROOT/deploy/hands/term.yaml" --wait 60 "${place[@]}" >&2 || { kill -INT $server; return 1; }
+        --play "$ETI_ROOT/deploy/data/hands/term.yaml" --wait 60 "${place[@]}" >&2 || { kill -INT $server; return 1; }
     wait $server
     for lesson in "${LESSONS[@]}"; do
         cp "$folder"/*_"$lesson"_0*.png "$ETI_ROOT/docs/first_session_$lesson.png" || return 1
@@ -162,7 +171,7 @@ report() {
             --screenshot="$ETI_ROOT/docs/report.png" "file://$folder/report.html" >&2
 }
 
-# A server whose operator begins again and again: an hour by the clock, then eight simulated hours.
+# A server whose operator repeats its script: an hour in real time, then eight simulated hours.
 soak() {
     local run=("$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/server/soak.py" --out "$OUT/soak")
     "${run[@]}" --hours 1 >&2 && "${run[@]}" --fast --hours 8 >&2 && cp "$OUT"/soak/soak-{real,fast}.csv "$CHARTS"
@@ -179,6 +188,17 @@ measure() {
     esac
 }
 
+name_stale() {
+    local found
+    found=$(stamps --stale "${only[@]}") || eti_fail "the physics version is not known; see above"
+    mapfile -t only < <(printf '%s' "$found" | sed '/^$/d')
+    for part in "${only[@]}"; do printf '%-12s %s\n' "$part" "${TAKES[$part]}"; done
+}
+
+if [ $stale = yes ] && [ $list = yes ]; then
+    name_stale
+    exit 0
+fi
 if [ $list = yes ]; then
     for part in "${only[@]}"; do
         if draws "$part"; then plot --only "$part" --list; fi
@@ -202,16 +222,26 @@ if [ $quick = no ] && [ $build = yes ]; then
     eti_say "Building build/release ..."
     eti_build release -DETI_TESTS=ON || exit 1
 fi
+if [ $stale = yes ]; then
+    name_stale
+    [ ${#only[@]} -gt 0 ] || { eti_say "Every table belongs to today's physics version."; exit 0; }
+fi
 failed=()
 for number in "${!only[@]}"; do
     part=${only[$number]}
     if [ $quick = no ] || { [ "$part" = pictures ] && [ -n "$demo" ]; }; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, measuring (${TAKES[$part]})"
         measure "$part" || { failed+=("$part"); eti_say "$part failed; what docs/ showed of it stays."; continue; }
+        case " ${STAMPED[*]} " in *" $part "*) stamps --record "$part" "deploy/figures.sh --only $part" || failed+=("$part") ;; esac
     fi
     if draws "$part"; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, drawing"
         plot --only "$part" || failed+=("$part")
+    fi
+    # What the pages say of these tables, where they were measured just now.
+    if [ $quick = no ] && grep -q "^class ${part^}(" "$ETI_ROOT/tests/bench/check_tables.py"; then
+        "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/check_tables.py" "${part^}" >&2 ||
+            { failed+=("$part"); eti_say "$part: the tables are no longer what the pages say of them; see above, and correct the pages."; }
     fi
 done
 [ ${#failed[@]} -eq 0 ] || eti_fail "failed: ${failed[*]}"

@@ -6,6 +6,7 @@ import importlib.util
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -56,6 +57,22 @@ class Figures(unittest.TestCase):
         self.root = Path(folder.name)
         for part in ("deploy", "docs/charts", "tests/bench"):
             shutil.copytree(ROOT / part, self.root / part, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copy(ROOT / "docs/stamps.py", self.root / "docs")
+
+    def program(self, name, body):
+        """Puts a script in the place of a program."""
+        file = self.root / "build/release/bin" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"#!/bin/sh\n{body}\n")
+        file.chmod(0o755)
+
+    def physics(self, state):
+        """A server whose canonical run ends in this state."""
+        self.program("eti-server", f"""echo '{{"state_hash": "{state}"}}'""")
+
+    def claims(self, hold):
+        """In place of what the pages say of the tables."""
+        (self.root / "tests/bench/check_tables.py").write_text(f"class Calibration():\n    pass\n\n\nexit({0 if hold else 1})\n")
 
     def figures(self, *options):
         return subprocess.run([self.root / "deploy/figures.sh", "--no-install", "--no-build", *options],
@@ -63,16 +80,13 @@ class Figures(unittest.TestCase):
 
     def bench(self, body):
         """Puts a script in the place of eti-bench; $folder is what follows --out."""
-        program = self.root / "build/release/bin/eti-bench"
-        program.parent.mkdir(parents=True)
-        program.write_text(f'#!/bin/sh\nfor folder; do :; done\n{body}\n')
-        program.chmod(0o755)
+        self.program("eti-bench", f"for folder; do :; done\n{body}")
 
     def needs_drawing(self):
         if importlib.util.find_spec("matplotlib") is None:
             self.skipTest("python3-matplotlib is missing; deploy/setup.sh installs it")
 
-    def test_quick_draws_the_published_charts(self):
+    def test_quick_run_redraws_published_charts(self):
         self.needs_drawing()
         import matplotlib
         published = {file.name: file.read_text() for file in (ROOT / CHARTS).glob("*.svg")}
@@ -89,7 +103,7 @@ class Figures(unittest.TestCase):
         self.assertEqual(differing, [], "Remedy: deploy/figures.sh --quick, and look at what changed")
         self.assertIn("drawing", done.stderr)
 
-    def test_a_drawing_is_told_from_another(self):
+    def test_drawing_comparison_detects_differences(self):
         drawing = (ROOT / CHARTS / "haptics-laws.svg").read_text()
         moved = NUMBER.search(drawing, drawing.index("axes_1"))
         for by, same in ((0, True), (1e-6, True), (-1e-6, True), (2e-6, False), (1, False)):
@@ -102,7 +116,7 @@ class Figures(unittest.TestCase):
         self.assertFalse(are_one_drawing(drawing, drawing.replace("#1f77b4", "#1f77b5")), "another colour")
         self.assertFalse(are_one_drawing(drawing, drawing.replace("0.8", "0.8 1", 1)))
 
-    def test_every_figure_that_documents_show_is_made_by_it(self):
+    def test_every_documented_figure_is_generated(self):
         done = self.figures("--list")
         self.assertEqual(done.returncode, 0, done.stderr)
         made = set(done.stdout.split())
@@ -113,26 +127,65 @@ class Figures(unittest.TestCase):
         self.assertEqual({file.relative_to(ROOT).as_posix() for suffix in ("svg", "png")
                           for file in ROOT.glob(f"docs/**/*.{suffix}")} - made, set())
 
-    def test_pages_that_show_a_figure_name_the_command(self):
+    def test_pages_with_figures_name_the_command(self):
         for page in documents():
             if re.search(r"!\[[^\]]*\]\([^)]*\)", page.read_text()):
                 self.assertIn("deploy/figures.sh", page.read_text(), page.relative_to(ROOT))
 
-    def test_a_measured_part_replaces_its_tables_and_is_drawn(self):
+    def test_measured_part_replaces_its_tables_and_charts(self):
         self.needs_drawing()
         table = self.root / CHARTS / "calibration.csv"
         lines = table.read_text().splitlines(keepends=True)
         measured = self.root / "measured.csv"
         measured.write_text("".join(lines[:41]))
         self.bench(f'cp {measured} "$folder/calibration.csv"')
+        self.physics("0123456789abcdef")
+        self.claims(hold=True)
+        page = self.root / "docs" / "page.md"
+        page.write_text("# Calibration\n\n<!-- measured: calibration -->\n\nText.\n")
         before = (self.root / CHARTS / "calibration.svg").read_bytes()
         done = self.figures("--only", "calibration")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("measuring (two minutes)", done.stderr)
         self.assertEqual(table.read_text(), measured.read_text())
         self.assertNotEqual((self.root / CHARTS / "calibration.svg").read_bytes(), before)
+        self.assertIn("by `deploy/figures.sh --only calibration`", page.read_text())
+        self.assertIn("physics version 01234567", page.read_text())
+        self.assertNotIn("Stale", page.read_text())
+        # Another physics: the page says so, and the part is measured again.
+        self.physics("fedcba9876543210")
+        stamps = [sys.executable, "-B", self.root / "docs/stamps.py"]
+        self.assertEqual(subprocess.run([*stamps, "--check"], stdout=subprocess.DEVNULL).returncode, 1)
+        subprocess.run([*stamps, "--update"], check=True)
+        self.assertEqual(subprocess.run([*stamps, "--check"], stdout=subprocess.DEVNULL).returncode, 0)
+        self.assertIn("**Stale:** measured with physics version 01234567, today's is fedcba98", page.read_text())
+        done = self.figures("--stale", "--only", "calibration")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("Stale", page.read_text())
+        done = self.figures("--stale", "--only", "calibration")
+        self.assertIn("Every table belongs to today's physics version", done.stderr)
 
-    def test_a_part_that_fails_leaves_what_is_published(self):
+    def test_tables_that_contradict_the_pages_are_reported(self):
+        self.needs_drawing()
+        self.bench(f'cp {ROOT / CHARTS / "calibration.csv"} "$folder/calibration.csv"')
+        self.physics("0123456789abcdef")
+        self.claims(hold=False)
+        done = self.figures("--only", "calibration")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no longer what the pages say", done.stderr)
+
+    def test_stale_parts_are_listed_cheapest_first(self):
+        self.physics("0123456789abcdef")
+        done = self.figures("--stale", "--list")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        listed = done.stdout.splitlines()
+        self.assertEqual((listed[0], listed[-1]), ("calibration  two minutes", "soak         three hours"))
+        self.program("eti-server", "echo no patient >&2; exit 1")
+        done = self.figures("--stale", "--list")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no patient", done.stderr)
+
+    def test_failed_part_keeps_published_files(self):
         self.bench('echo half > "$folder/calibration.csv"; exit 1')
         done = self.figures("--only", "calibration")
         self.assertEqual(done.returncode, 1)
@@ -140,7 +193,7 @@ class Figures(unittest.TestCase):
         for file in (self.root / CHARTS).glob("calibration.*"):
             self.assertEqual(file.read_bytes(), (ROOT / CHARTS / file.name).read_bytes(), file.name)
 
-    def test_pictures_come_from_the_best_view_of_a_demo(self):
+    def test_pictures_come_from_best_view_of_demo(self):
         demo = self.root / "demo-1/observer"
         demo.mkdir(parents=True)
         views = ("laryngoscope", "section", "overview")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Rules for the documentation: short pages, short sentences, links that lead somewhere.
+"""Rules for the documentation: links lead somewhere, and pages that sources name exist.
 
 Usage: documents.py [ROOT]. Prints one line per violation, FILE:LINE: what, and what to do.
 """
@@ -12,8 +12,6 @@ from pathlib import Path
 
 import structure
 
-LONGEST_PAGE = 130       # lines: two screens and a little
-LONGEST_SENTENCE = 40    # words; 30 is what to aim at
 # What a page of docs/ says where it names another one in a source, a script or a message.
 NAMED_PAGE = re.compile(r"\bdocs/[\w/.-]*\w\.(?:md|svg|csv|png)\b")
 
@@ -21,10 +19,6 @@ NAMED_PAGE = re.compile(r"\bdocs/[\w/.-]*\w\.(?:md|svg|csv|png)\b")
 def pages(root):
     """All documents: README and docs/, decisions included."""
     return sorted([*Path(root).glob("*.md"), *Path(root).glob("docs/**/*.md")])
-
-
-def is_decision(path):
-    return "decisions" in Path(path).parts
 
 
 def without_code(text):
@@ -36,22 +30,6 @@ def without_code(text):
         lines.append("" if inside or fence or indented else line)
         inside ^= fence
     return lines[1:]
-
-
-def sentences(text):
-    """Sentences of prose as (line where their paragraph begins, words): no code, tables, headings or pictures."""
-    paragraph, begun = [], 0
-    for number, line in enumerate([*without_code(text), ""], 1):
-        apart = re.match(r"\s*(\||#|!\[|$)", line)
-        item = re.match(r"\s*(?:[-*]|\d+\.)\s+", line)
-        if (apart or item) and paragraph:
-            prose = re.sub(r"\]\([^)]*\)|[\[\]*]", "", re.sub(r"`[^`]*`", "code", " ".join(paragraph)))
-            for sentence in re.split(r"(?<=[.!?])[\")]*\s+", prose):
-                yield begun, [word for word in sentence.split() if re.search(r"\w", word)]
-            paragraph = []
-        if not apart:
-            begun = begun if paragraph else number
-            paragraph.append(line[item.end():] if item else line.strip())
 
 
 def anchors(text):
@@ -76,15 +54,6 @@ def check_page(page, text):
     """Violations within one document as (line number, text)."""
     for number, link in broken_links(page, text):
         yield number, f"links to {link}, which is not there; mend the link or the heading"
-    if is_decision(page):
-        return
-    lines = len(text.splitlines())
-    if lines > LONGEST_PAGE:
-        yield 1, f"has {lines} lines; split it into pages of at most {LONGEST_PAGE}"
-    for number, words in sentences(text):
-        if len(words) > LONGEST_SENTENCE:
-            yield number, (f"has a sentence of {len(words)} words, '{' '.join(words[:6])} ...'; "
-                           f"say one thought a sentence, with at most {LONGEST_SENTENCE} words")
 
 
 def named_pages(root):

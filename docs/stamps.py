@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""Stamps of the measured tables in docs/charts: command, date, machine and physics version.
+
+The physics version is a short hash of the simulated state after one canonical run. A table of another version is stale:
+its page says so in the line after "<!-- measured: PART -->", which this script writes.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parent
+STAMPS = DOCS / "charts" / "stamps.json"
+LINE = re.compile(r"(<!-- measured: ([\w-]+) -->\n)[^\n]*\n")
+UNSTAMPED = "unstamped"
+CANONICAL = ("--scenario", "term", "--operator", "expert", "--steps", "720", "--threads", "1", "--fast", "--no-dds", "--json")
+# The C library computes sines in other bits where the processor has fused operations; kernels run without AVX2.
+EVERYWHERE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2", "ETI_SIMD": "sse2"}
+
+
+def physics_version(server):
+    """Eight hexadecimal digits, the same on every machine for the same compiler and libraries."""
+    done = subprocess.run([server, *CANONICAL], capture_output=True, text=True, env={**os.environ, **EVERYWHERE})
+    if done.returncode:
+        sys.exit(f"{server} failed with exit code {done.returncode}; the physics version is the state of its run:\n{done.stderr}")
+    return json.loads(done.stdout)["state_hash"][:8]
+
+
+def machine():
+    found = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
+    return f"{found[1].strip() if found else os.uname().machine}, {os.cpu_count()} cores"
+
+
+def stamp(command, physics):
+    return {"command": command, "date": datetime.date.today().isoformat(), "machine": machine(), "physics": physics}
+
+
+def is_stale(stamps, part):
+    return stamps["parts"].get(part, {}).get("physics") != stamps["physics"]
+
+
+def line(stamps, part):
+    """What a page says of the tables of a part."""
+    known = stamps["parts"].get(part)
+    if known is None:
+        return "*Not measured yet.*"
+    text = f"Measured on {known['date']} by `{known['command']}`, {known['machine']}, "
+    if known["physics"] == UNSTAMPED:
+        return f"*{text}before physics versions were recorded.*"
+    text += f"physics version {known['physics']}."
+    return f"*{text}*" if not is_stale(stamps, part) else (
+        f"***Stale:** measured with physics version {known['physics']}, today's is {stamps['physics']}.* *{text}*")
+
+
+def refresh(stamps, docs=DOCS):
+    """Writes the line of every page that shows measured tables."""
+    for page in sorted(docs.glob("**/*.md")):
+        old = page.read_text(encoding="utf-8")
+        new = LINE.sub(lambda m: m[1] + line(stamps, m[2]) + "\n", old)
+        if new != old:
+            page.write_text(new, encoding="utf-8")
+
+
+def load():
+    return json.loads(STAMPS.read_text(encoding="utf-8"))
+
+
+def save(stamps):
+    STAMPS.write_text(json.dumps(stamps, indent=1) + "\n", encoding="utf-8")
+    refresh(stamps)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--server", default=DOCS.parent / "build/release/bin/eti-server", help="the program that runs")
+    actions = parser.add_mutually_exclusive_group(required=True)
+    actions.add_argument("--update", action="store_true", help="note today's physics version; pages say what is stale")
+    actions.add_argument("--record", nargs=2, metavar=("PART", "COMMAND"), help="stamp a part that was just measured")
+    actions.add_argument("--stale", nargs="+", metavar="PART", help="print which of these parts are stale, in this order")
+    actions.add_argument("--check", action="store_true", help="exit 1 if the physics version is not the noted one")
+    options = parser.parse_args()
+    stamps = load()
+    noted, stamps["physics"] = stamps["physics"], physics_version(options.server)
+    if options.check:
+        print(f"physics version {stamps['physics']}, noted is {noted}")
+        return int(noted != stamps["physics"])
+    if options.record:
+        stamps["parts"][options.record[0]] = stamp(options.record[1], stamps["physics"])
+    if options.stale:
+        print(*(part for part in options.stale if is_stale(stamps, part)), sep="\n")
+    else:
+        save(stamps)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

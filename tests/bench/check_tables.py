@@ -1,0 +1,273 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the NeoETI authors
+"""What the documents say of the measured tables in docs/charts holds for the tables that are there.
+
+deploy/figures.sh runs the class of a part after it has measured it. No test of the suite reads these tables: they belong
+to the day of their stamp.
+Usage: check_tables.py [CLASS[.METHOD]]...
+"""
+
+import csv
+import re
+import sys
+import unittest
+from pathlib import Path
+
+import plot_accuracy
+import plot_haptics
+import plot_stability
+from plotting import SHIPPED_TONGUE, rows_of
+from stability_cells import ABSENT, shipped_cells
+
+ROOT = Path(__file__).resolve().parents[2]
+CHARTS = ROOT / "docs/charts"
+
+XPBD = "tetrahedra, XPBD"
+CLUSTERS = "clusters, calibrated on the tongue"
+
+
+class Accuracy(unittest.TestCase):
+    def test_shipped_method_is_pareto_optimal(self):
+        """In the scene itself: force and shape of the patient's tongue under the blade, on the shipped mesh."""
+        for case in plot_accuracy.DECIDING:
+            rows = [row for row in plot_accuracy.read(CHARTS / "accuracy.csv") if row["case"] == case and row["spacing"] == 2.0]
+            shipped, = (row for row in rows if plot_accuracy.is_star(row))
+            for row in rows:
+                self.assertFalse(row["method"] != shipped["method"] and row["cost"] <= shipped["cost"] and
+                                 row["error"] <= shipped["error"], row)
+
+    def test_tongue_under_blade_meets_documented_fem_error(self):
+        """At the best view: force, displacements, and residual motion. The bounds are those of docs/solver/lift.md."""
+        rows = plot_accuracy.read(CHARTS / "accuracy.csv")
+        error = {row["case"]: row["error"] for row in rows if plot_accuracy.is_star(row) and row["spacing"] == 2.0}
+        for case, bound in (("lift-force", 0.05), ("lift-material", 0.11), ("lift-shape", 0.05), ("tongue-force", 0.006),
+                            ("tongue-shape", 0.006)):
+            self.assertLess(error[case], bound, case)
+        self.assertLess(error["lift-still"], 0.5)       # mm/s
+        # With more substeps XPBD's tetrahedra converge to finite elements; clusters do not.
+        for case in ("lift-force", "lift-shape"):
+            of = {(row["method"], row["substeps"]): row["error"] for row in rows if row["case"] == case}
+            self.assertLess(of[XPBD, 32], 0.5 * of[XPBD, 8], case)
+            self.assertGreater(of[CLUSTERS, 24], 0.9 * of[CLUSTERS, 8], case)
+            self.assertGreater(of[CLUSTERS, 24], 0.35, case)
+
+    def test_lift_error_against_fem_is_bounded_for_every_tremor(self):
+        """The shipped tongue, each time in its own surroundings: not just one favourable path of the hand. For one of
+        them, the reference's uncertainty, 1.6 % of the force, may be added."""
+        rows = rows_of(CHARTS / "lift-tremors.csv")
+        self.assertEqual([row["tremor"] for row in rows], ["0", "1", "2", "3"])
+        for row in rows:
+            self.assertLess(float(row["force_difference"]), 0.06, row)
+            self.assertLess(float(row["shape_difference"]), 0.05, row)
+        self.assertLess(sum(float(row["force_difference"]) for row in rows) / len(rows), 0.05)
+        self.assertEqual(len({row["force_n"] for row in rows}), 4)
+
+    def test_lift_reference_meets_documented_uncertainty(self):
+        """Its end is an equilibrium for any drag, but friction depends on the path, which drag changes, and carries a
+        tenth of the force at most: a third of that is allowed. The places where clusters hold the tongue matter more,
+        so that each tongue is compared with its own surroundings."""
+        rows = {row["variant"]: row for row in rows_of(CHARTS / "lift-reference.csv")}
+        self.assertEqual(float(rows["as it is"]["force_difference"]), 0.0)
+        self.assertLess(float(rows["four times the drag"]["force_difference"]), 0.033)
+        self.assertLess(float(rows["surroundings of the implicit tongue"]["force_difference"]), 0.05)
+
+    def test_every_method_has_a_chart_colour(self):
+        methods = {row["method"] for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
+        self.assertEqual(methods, set(plot_accuracy.COLOURS))
+
+    def test_calibrated_clusters_match_fem_force(self):
+        """Where their modulus can be reached: at the shipped substeps, on the spacing nearest to the scene's."""
+        found = 0
+        for row in plot_accuracy.read(CHARTS / "accuracy.csv"):
+            if (row["method"], *plot_accuracy.setting(row)) == ("clusters, calibrated by indentation", 2.5, 8, 1) and \
+                    row["case"] in ("sphere", "blade", "hertz"):
+                found += 1
+                self.assertLess(row["error"], 0.2, row)
+        self.assertEqual(found, 3)
+
+    def test_tongue_calibration_yields_nominal_modulus(self):
+        """4 mm deep, from 8 substeps on, where at most two fifths of the reachable modulus are requested: within 2 %."""
+        with (CHARTS / "accuracy-forces.csv").open(newline="") as file:
+            rows = [row for row in csv.DictReader(file) if row["case"] == "tongue" and row["method"] == CLUSTERS and
+                    row["depth_mm"] == "4" and row["substeps"] != "4"]
+        self.assertEqual(len(rows), 4)
+        for row in rows:
+            self.assertAlmostEqual(float(row["force_n"]) / float(row["reference_n"]), 1.0, delta=0.02, msg=row)
+
+
+class Calibration(unittest.TestCase):
+    def test_solver_constants_match_published_calibration(self):
+        """The constants of server/pbd/soft/cluster_calibration.cpp fit the published bars within 2 %."""
+        source = (ROOT / "server/pbd/soft/cluster_calibration.cpp").read_text()
+        table = re.search(r"traction = \{\{(.*?)\}\};", source, re.S)[1]
+        numbers = [float(x) for x in re.findall(r"([\d.]+)f", re.sub(r"1\.0f / ([\d.]+)f", lambda m:
+                                                                     f"{1 / float(m[1])}f", table))]
+        constants = {layers: (share, limit) for layers, share, limit in zip(*[iter(numbers)] * 3)}
+        with (CHARTS / "calibration.csv").open(newline="") as file:
+            bars = [row for row in csv.DictReader(file)
+                    if row["load"] == "traction" and row["radius_spacings"] == "2.01"]
+        self.assertGreaterEqual(len(bars), 60)
+        for row in bars:
+            share, limit = constants[float(row["spacing_mm"]) / 10.0]      # bars of 10 mm
+            law = 1.0 / (1.0 / share + float(row["group"]) / limit)
+            self.assertAlmostEqual(law / float(row["ratio"]), 1.0, delta=0.02, msg=row)
+
+
+class Stability(unittest.TestCase):
+    def test_shipped_setting_never_fails(self):
+        rows = rows_of(CHARTS / "stability.csv")
+        shipped = shipped_cells(rows)
+        self.assertEqual({row["map"] for row in shipped}, {row["map"] for row in rows})
+        self.assertGreaterEqual(len(shipped), 150)
+        maps = {row["map"] for row in shipped if row["method"] == SHIPPED_TONGUE}
+        self.assertEqual(maps, {row["map"] for row in rows if row["method"] == XPBD})
+        for row in shipped:
+            self.assertNotEqual(row["fate"], "fails", row)
+            if row["rotation_error"]:
+                self.assertLess(float(row["rotation_error"]), 1e-6, row)
+
+    def test_implicit_tongue_is_stable_wherever_xpbd_is(self):
+        """And in more cases, except for the starts that end in knots."""
+        rows = [row for row in rows_of(CHARTS / "stability.csv") if (row["map"], row["row"]) not in
+                {("disturbance", start) for start in ABSENT["disturbance", SHIPPED_TONGUE]}]
+        before = {(row["map"], row["row"]): row["fate"] for row in rows
+                  if row["method"] == XPBD and row["column"] == plot_stability.SHIPPED_STEP}
+        now = {(row["map"], row["row"]): row["fate"] for row in rows
+               if row["method"] == SHIPPED_TONGUE and plot_stability.is_shipped(row)}
+        self.assertEqual(set(before), set(now))
+        self.assertEqual([cell for cell, fate in now.items() if fate == "fails"], [])
+        gained = {cell for cell, fate in before.items() if fate == "fails"}
+        self.assertLessEqual({("stiffness", "80 kPa"), ("mass ratio", "1:10"), ("mass ratio", "1:10000")}, gained)
+
+    def test_stability_maps_include_failing_settings(self):
+        rows = rows_of(CHARTS / "stability.csv")
+        failing = {(row["map"], row["method"]) for row in rows if row["fate"] == "fails"}
+        for case in (("stiffness", "shape matching, PBD"), ("stiffness", "tetrahedra, XPBD"),
+                     ("tube on flap", "1/180 s"), ("tube on cords", "1/180 s")):
+            self.assertIn(case, failing)
+        # No speed and no substep lets it pass: docs/decisions/tube-rod.md.
+        shell = [row for row in rows if row["map"] == "tube on wall of the shell"]
+        self.assertGreater(len(shell), 80)
+        self.assertEqual({row["fate"] for row in shell}, {"survives"})
+
+
+class Sufficiency(unittest.TestCase):
+    def sufficiency(self, scenario):
+        """Rows by variant, each with the scenario's own seed."""
+        with (CHARTS / "sufficiency.csv").open(newline="") as table:
+            return {row["variant"]: row for row in reversed(list(csv.DictReader(table))) if row["scenario"] == scenario}
+
+    def test_every_model_intubates_term_newborn(self):
+        rows = self.sufficiency("term")
+        self.assertGreaterEqual(len(rows), 12)
+        for row in rows.values():
+            self.assertEqual(row["success"], "1", row)
+
+    def test_every_scenario_is_compared_for_sufficiency(self):
+        """The enhanced view changes nothing in the server, blood only a liquid's viscosity."""
+        for file in (ROOT / "deploy/data/scenarios").glob("*.yaml"):
+            if file.stem.startswith("manikin"):
+                continue  # nothing moves there
+            rows = self.sufficiency(re.sub("_(enhanced|bleeding)$", "", file.stem))
+            self.assertEqual(rows["default"]["success"], "1", file.name)
+            self.assertIn("richest", rows)
+
+    def test_shipped_tongue_is_closer_to_richest_than_clusters(self):
+        force = {name: float(row["blade_force_max_n"]) for name, row in self.sufficiency("term").items()}
+        self.assertLess(abs(force["default"] - force["richest"]),
+                        0.5 * abs(force["tongue of clusters"] - force["richest"]))
+
+
+class Sleep(unittest.TestCase):
+    def test_sleep_changes_forces_and_view_below_half_percent(self):
+        """On average, and with the shipped tongue for 98 % of the attempt. The remaining differences of forces, a slip
+        a moment sooner or later, do not exceed those of blades shifted by a micrometre."""
+        rows = rows_of(CHARTS / "sleep.csv")
+        self.assertEqual({row["model"] for row in rows}, {"tetrahedra", "implicit"})
+        for row in rows:
+            for measure in ("blade_n", "tongue_n", "gum_n", "view_percent"):
+                value = {name: float(row[f"{measure}_{name}"]) for name in (
+                    "mean", "max", "sleep_mean", "sleep_off_percent", "sleep_difference_rms", "beside_difference_rms_most")}
+                self.assertLess(abs(value["sleep_mean"] - value["mean"]), 0.005 * value["max"], (row["model"], measure))
+                if measure == "view_percent":       # see the next test
+                    continue
+                self.assertLessEqual(value["sleep_difference_rms"], 1.25 * value["beside_difference_rms_most"],
+                                     (row["model"], measure))
+                if row["model"] == "implicit":
+                    self.assertLess(value["sleep_off_percent"], 2.0, measure)
+            self.assertEqual(float(row["rest_awake_percent"]), 0.0, row["model"])
+            self.assertLess(float(row["rest_step_sleep_ms"]), 0.4, row["model"])
+
+    def test_sleep_preserves_view_until_tube_covers_it(self):
+        """To one of the 160 rays that measure it; from then on as in docs/solver/sleep.md."""
+        course = [{name: float(row[name]) for name in ("view_percent", "view_percent_sleep")}
+                  for row in rows_of(CHARTS / "sleep-course.csv") if row["model"] == "implicit"]
+        apart = [abs(row["view_percent_sleep"] - row["view_percent"]) for row in course]
+        best = max(row["view_percent"] for row in course)
+        covered = max(k for k, row in enumerate(course) if row["view_percent"] == best) + 1
+        self.assertLess(max(apart[:covered]), 1.01 * 100.0 / 160)
+        self.assertGreater(sum(row["view_percent"] > 50.0 for row in course[:covered]), 30)     # three seconds of it
+        self.assertLess(max(apart[covered:]), 11.0)
+
+
+class Haptics(unittest.TestCase):
+    def test_shipped_stiffness_is_stable_at_10_ms_and_1_percent(self):
+        """For wall and tissue, in either grip, with a margin, and beyond the bound for a delayed force."""
+        rows = [row for row in rows_of(CHARTS / "haptics-stability.csv")
+                if (row["delay_ms"], row["loss_percent"], row["passivity"]) == ("10", "1", "1")]
+        self.assertEqual(len(rows), 6)
+        for row in rows:
+            shipped = 800 if row["surface"] == "wall" else 160
+            self.assertGreater(float(row["stable_n_per_m"]), 2 * shipped, row)
+            self.assertGreater(float(row["stable_n_per_m"]), float(row["delayed_bound_n_per_m"]), row)
+
+    def test_holding_forces_is_beneficial_up_to_silence_limit(self):
+        """Up to the shipped time, holding moves the hand less than releasing at once on every surface, in either grip,
+        also while the patient moves away as fast as the server allows; soon beyond it, no longer."""
+        rows = rows_of(CHARTS / "haptics-gaps.csv")
+        held, gone = plot_haptics.held_in(rows)
+        header = (ROOT / "devices/haptics/safety.hpp").read_text()
+        silence = 1000 * float(re.search(r"float silence_limit = ([\d.]+)f;", header)[1])
+        share = re.search(r"float held_share = ([\d.]+)f / ([\d.]+)f;", header)
+        self.assertAlmostEqual(gone, silence)
+        self.assertAlmostEqual(held, silence * float(share[1]) / float(share[2]))
+        surfaces = {row["surface"] for row in rows}
+        until = [plot_haptics.holding_pays_until(rows, surface, grip, 20.0) for surface in surfaces for grip in plot_haptics.GRIPS]
+        self.assertEqual(len(until), 6)
+        self.assertGreaterEqual(min(until), held)
+        self.assertLess(min(until), 1.25 * held)
+        for surface in surfaces:
+            for grip in plot_haptics.GRIPS:
+                for speed in (10.0, -20.0):
+                    self.assertIsNone(plot_haptics.holding_pays_until(rows, surface, grip, speed))
+
+    def test_held_gaps_do_not_affect_patient_at_rest(self):
+        rows = rows_of(CHARTS / "haptics-gaps.csv")
+        held, _ = plot_haptics.held_in(rows)
+        cells = [row for row in rows if row["patient_mm_per_s"] == "0" and float(row["held_ms"]) == held and
+                 float(row["gap_ms"]) <= held]
+        self.assertEqual(len(cells), 3 * 2 * 3 * 6)
+        for row in cells:
+            self.assertLessEqual(float(row["excursion_mm"]), 0.03, row)     # an encoder's step
+            self.assertEqual(float(row["whole_percent"]), 100, row)
+
+    def test_shipped_stiffness_is_stable_over_the_bus(self):
+        """The real loop against the real server over DDS, in every cell that could be measured."""
+        cells = [row for row in rows_of(CHARTS / "haptics-grid.csv") if row["stiffness_n_per_m"] == "800"]
+        measured = [row for row in cells if row["passivity"] == "1" and row["stable"]]
+        self.assertIn(("10", "1"), {(row["delay_ms"], row["loss_percent"]) for row in measured})
+        for row in measured:
+            self.assertEqual(row["stable"], "1", row)
+
+    def test_shipped_force_law_is_closer_to_fem(self):
+        errors = {}
+        for row in rows_of(CHARTS / "haptics-laws.csv"):
+            error = abs(float(row["force_n"]) / float(row["reference_n"]) - 1)
+            errors[row["law"]] = max(errors.get(row["law"], 0), error)
+        self.assertLess(errors["constraint"], 0.15)
+        self.assertGreater(errors["displacement"], errors["constraint"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[1:]])
