@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 
-# cmake -DFOLDER=... -DNAMESPACE=... -DHEADER=... -DOUT=... -P embed_shaders.cmake
-# Writes a C++ source that defines each shader FOLDER/GROUP/NAME.glsl whose NAME the header declares as a string_view.
-# A line #include "GROUP/NAME.glsl" is replaced by that file.
+# cmake -DFOLDER=... -DNAMESPACE=... -DHEADER=... -DINCLUDE=... -DOUT=... -P embed_shaders.cmake
+# Writes a C++ source that includes the header as INCLUDE and defines each shader FOLDER/GROUP/NAME.glsl whose NAME the
+# header declares as a string_view. A line #include "GROUP/NAME.glsl" is replaced by that file.
 cmake_minimum_required(VERSION 3.25)
 
 # Semicolons and brackets are special in CMake's lists, so lines are found by their position.

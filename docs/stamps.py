@@ -59,9 +59,9 @@ def line(stamps, part):
         f"***Stale:** measured with physics version {known['physics']}, today's is {stamps['physics']}.* *{text}*")
 
 
-def refresh(stamps, docs=DOCS):
+def refresh(stamps):
     """Writes the line of every page that shows measured tables."""
-    for page in sorted(docs.glob("**/*.md")):
+    for page in sorted(DOCS.glob("**/*.md")):
         old = page.read_text(encoding="utf-8")
         new = LINE.sub(lambda m: m[1] + line(stamps, m[2]) + "\n", old)
         if new != old:

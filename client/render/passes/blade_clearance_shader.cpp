@@ -2,13 +2,11 @@
 // Copyright the NeoETI authors
 #include "client/render/passes/blade_clearance_shader.hpp"
 
-#include "client/render/shaders/shaders.hpp"
-
 #include <fmt/format.h>
 
-namespace eti::render {
+#include "client/render/shaders/shaders.hpp"
 
-namespace {}  // namespace
+namespace eti::render {
 
 std::string blade_clearance_source() {
     std::string text;
