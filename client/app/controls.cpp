@@ -103,14 +103,15 @@ void Controls::type(char32_t key, Time now) {
     }
 }
 
-void Controls::draw_mark(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now) {
+void Controls::draw_mark(const hands::Drag& mouse, const view::SceneView& scene, int width, int height,
+                         Time now) {
     const bool moved = std::hypot(mouse.at_x - marked_x_, mouse.at_y - marked_y_) >= mark_step;
-    if (mouse.mark == Drag::Mark::continues && !moved) {
+    if (mouse.mark == hands::Drag::Mark::continues && !moved) {
         return;
     }
     marked_x_ = mouse.at_x;
     marked_y_ = mouse.at_y;
-    if (mouse.mark == Drag::Mark::ends) {
+    if (mouse.mark == hands::Drag::Mark::ends) {
         annotator_->end();
     } else if (const auto placed =  // the picture in which the mark began
                placed_at(*selection_, scene, width, height, mouse.from_x, mouse.from_y)) {
@@ -122,15 +123,15 @@ void Controls::draw_mark(const Drag& mouse, const view::SceneView& scene, int wi
         const bool inside = std::abs(x) <= 1.0f && std::abs(y) <= 1.0f;
         const auto at =
             inside ? render::pick(*placed->view, scene, vantage_, wide / high, x, y) : std::nullopt;
-        mouse.mark == Drag::Mark::begins ? annotator_->begin(at) : annotator_->extend(at);
+        mouse.mark == hands::Drag::Mark::begins ? annotator_->begin(at) : annotator_->extend(at);
     }
     if (std::string trouble = annotator_->take_error(); !trouble.empty()) {
         show_notice(std::move(trouble), now);
     }
 }
 
-void Controls::drag(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now) {
-    if (mouse.mark != Drag::Mark::none && annotator_ != nullptr) {
+void Controls::drag(const hands::Drag& mouse, const view::SceneView& scene, int width, int height, Time now) {
+    if (mouse.mark != hands::Drag::Mark::none && annotator_ != nullptr) {
         draw_mark(mouse, scene, width, height, now);
         return;
     }

@@ -48,7 +48,7 @@ class Controls {
     void press(char32_t key, bool repeated, const view::SceneView& scene, Time now);
     void release(char32_t key, Time now);
     /// A mouse drag in a picture of `width` x `height` pixels.
-    void drag(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now = {});
+    void drag(const hands::Drag& mouse, const view::SceneView& scene, int width, int height, Time now = {});
     /// Processes the server's replies.
     void update(Time now);
     /// The server's refusals as of the last update().
@@ -64,7 +64,7 @@ class Controls {
   private:
     void send(const std::optional<CommandRequest>& command, Time now);
     void show_notice(std::string text, Time now);
-    void draw_mark(const Drag& mouse, const view::SceneView& scene, int width, int height, Time now);
+    void draw_mark(const hands::Drag& mouse, const view::SceneView& scene, int width, int height, Time now);
 
     const Selection* selection_;
     bus::CommandSender* commands_;

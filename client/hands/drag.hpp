@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
-namespace eti::client {
+namespace eti::hands {
 
 /// Mouse input since the last query; pixels from the drawing area's upper left.
 struct Drag {
@@ -16,4 +16,4 @@ struct Drag {
     float at_x = 0.0f, at_y = 0.0f;  ///< current mouse position
 };
 
-}  // namespace eti::client
+}  // namespace eti::hands

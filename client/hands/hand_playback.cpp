@@ -9,7 +9,7 @@
 #include "common/math/units.hpp"
 #include "common/scenario/yaml_map.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 namespace {
 
 constexpr Range pixels{-4000.0f, 4000.0f}, notches{-200.0f, 200.0f}, seconds{0.0f, 60.0f};
@@ -125,4 +125,4 @@ void HandPlayback::advance(float dt, Hands& hands, const view::SceneView& seen,
     }
 }
 
-}  // namespace eti::client
+}  // namespace eti::hands

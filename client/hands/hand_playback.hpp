@@ -11,7 +11,7 @@
 #include "client/render/views/view_table.hpp"
 #include "client/view/scene_view.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 
 /// Mouse and key input over a period of time.
 struct PlaybackStep {
@@ -53,4 +53,4 @@ class HandPlayback {
     const render::View* view_ = nullptr;
 };
 
-}  // namespace eti::client
+}  // namespace eti::hands

@@ -7,7 +7,7 @@
 #include "client/hands/picture_plane.hpp"
 #include "common/math/units.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 namespace {
 
 constexpr float lifting = 15e-3f;          // [m/s]
@@ -116,4 +116,4 @@ void Hands::advance(float dt, const Overtravel& blade, const Overtravel& tube) {
     tools_[static_cast<std::size_t>(Tool::tube)].advance(dt, tube);
 }
 
-}  // namespace eti::client
+}  // namespace eti::hands

@@ -13,7 +13,7 @@
 #include "common/model/landmark.hpp"
 #include "common/model/tools/tools.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 
 /// One row of the table of keys that move the hand while held.
 struct HandKey {
@@ -73,4 +73,4 @@ class Hands {
     std::set<char32_t> pressed_;
 };
 
-}  // namespace eti::client
+}  // namespace eti::hands

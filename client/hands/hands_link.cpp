@@ -11,7 +11,7 @@
 #include "common/bus/codec/convert.hpp"
 #include "common/process/priority.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 namespace {
 
 using namespace std::chrono_literals;
@@ -178,4 +178,4 @@ void HandsLink::cycle() {
     }
 }
 
-}  // namespace eti::client
+}  // namespace eti::hands

@@ -18,7 +18,7 @@
 #include "client/view/scene_view.hpp"
 #include "common/bus/bus.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 
 /// Writes a tool's pose to the bus unless another writer exists. An existing writer keeps the tool and this
 /// one stops sending: a tool never has two hands.
@@ -106,4 +106,4 @@ class HandsLink {
     std::thread thread_;
 };
 
-}  // namespace eti::client
+}  // namespace eti::hands

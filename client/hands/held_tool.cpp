@@ -7,7 +7,7 @@
 
 #include "common/model/tools/tools.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 namespace {
 
 // Limits `gap` in the direction of `overtravel`: half of `most` is free, beyond that the step decreases to
@@ -119,4 +119,4 @@ void HeldTool::advance(float dt, const Overtravel& overtravel) {
                                              limits_.angular_speed * dt / std::max(angle, 1e-9f)}));
 }
 
-}  // namespace eti::client
+}  // namespace eti::hands

@@ -5,7 +5,7 @@
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 
 /// Distance by which a held tool is ahead of the pose that the patient allows, patient frame.
 struct Overtravel {
@@ -74,4 +74,4 @@ class HeldTool {
     RigidTransform home_, pose_, target_;
 };
 
-}  // namespace eti::client
+}  // namespace eti::hands

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eti::client {
+namespace eti::hands {
 namespace {
 
 constexpr float nearest = 0.01f;  // [m]
@@ -21,4 +21,4 @@ Vec3f picture_displacement(const render::Camera& camera, float height, const Vec
     return pose.rotation * Vec3f(per_pixel * right, -per_pixel * down, 0.0f);
 }
 
-}  // namespace eti::client
+}  // namespace eti::hands

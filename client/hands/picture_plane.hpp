@@ -4,7 +4,7 @@
 
 #include "client/render/views/camera.hpp"
 
-namespace eti::client {
+namespace eti::hands {
 
 /// Displacement [m, patient frame] parallel to the picture plane that makes the point drawn at `point` [m]
 /// follow the mouse: `right` and `down` pixels in a picture `height` pixels high. Points behind the camera
@@ -12,4 +12,4 @@ namespace eti::client {
 [[nodiscard]] Vec3f picture_displacement(const render::Camera& camera, float height, const Vec3f& point,
                                          float right, float down);
 
-}  // namespace eti::client
+}  // namespace eti::hands

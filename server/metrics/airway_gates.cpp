@@ -11,7 +11,7 @@
 namespace eti::metrics {
 namespace {
 
-constexpr std::size_t skull = static_cast<std::size_t>(anatomy::Bone::skull);
+constexpr std::size_t skull = static_cast<std::size_t>(patient::Bone::skull);
 
 Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
     const float norm = v.norm();

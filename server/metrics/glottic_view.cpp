@@ -44,10 +44,10 @@ std::vector<Vec3f> sample_polygon(std::span<const Vec3f> contour, int count) {
     return points;
 }
 
-GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope)
+GlotticViewer::GlotticViewer(const patient::Patient& patient, const Laryngoscope& scope)
     : GlotticViewer(patient, scope, Settings{}) {}
 
-GlotticViewer::GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope,
+GlotticViewer::GlotticViewer(const patient::Patient& patient, const Laryngoscope& scope,
                              const Settings& settings)
     : settings_(settings),
       lips_as_scanned_(
@@ -138,7 +138,7 @@ GlotticView GlotticViewer::evaluate(const scene::Snapshot& snapshot, const Vec3f
     }
 
     std::vector<Vec3f> targets;
-    for (const anatomy::CarriedPoint& point : epiglottis_) {
+    for (const patient::CarriedPoint& point : epiglottis_) {
         targets.push_back(pressed(skin_point(point.rest, point.skin, frames)));
     }
     SightLines to_epiglottis(from, targets, settings_.tolerance);

@@ -38,8 +38,8 @@ class GlotticViewer {
     };
 
     /// Copies what it needs from the patient.
-    GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope, const Settings& settings);
-    GlotticViewer(const anatomy::Patient& patient, const Laryngoscope& scope);
+    GlotticViewer(const patient::Patient& patient, const Laryngoscope& scope, const Settings& settings);
+    GlotticViewer(const patient::Patient& patient, const Laryngoscope& scope);
 
     /// `from` [m], patient frame: the eye. The snapshot must be of the same patient.
     [[nodiscard]] GlotticView evaluate(const scene::Snapshot& snapshot, const Vec3f& from);
@@ -59,7 +59,7 @@ class GlotticViewer {
     std::vector<Occluder> surfaces_;
     std::optional<Occluder> laryngoscope_;
     Laryngoscope scope_;
-    std::vector<anatomy::CarriedPoint> epiglottis_;
+    std::vector<patient::CarriedPoint> epiglottis_;
     OccluderCache glottis_occluders_, epiglottis_occluders_;
 };
 

@@ -32,8 +32,8 @@ double unknown() {
 
 }  // namespace
 
-void Metrics::begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit,
-                    const std::optional<Physiology>& physiology, PatientKind of) {
+void Metrics::begin(const patient::Patient& patient, const Laryngoscope& scope, double time_limit,
+                    const std::optional<physiology::Physiology>& physiology, PatientKind of) {
     *this = Metrics{};
     of_ = of;
     scope_ = scope;
@@ -155,11 +155,11 @@ void Metrics::log_transitions(const AirwayWatch::Changes& changes) {
 
 // The blade in the mouth keeps the mask off. Between attempts the newborn is ventilated: through the tube if
 // it is in the airway, else through the mask. A tube in the oesophagus does not ventilate the lungs.
-Ventilation Metrics::ventilation() const {
+physiology::Ventilation Metrics::ventilation() const {
     if (attempt_ || tube_.in_oesophagus()) {
-        return Ventilation::none;
+        return physiology::Ventilation::none;
     }
-    return tube_.in_main_stem() ? Ventilation::one_lung : Ventilation::both_lungs;
+    return tube_.in_main_stem() ? physiology::Ventilation::one_lung : physiology::Ventilation::both_lungs;
 }
 
 void Metrics::log_vital_signs(double seconds) {

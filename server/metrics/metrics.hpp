@@ -60,8 +60,8 @@ enum class PatientKind : std::uint8_t { newborn, manikin };
 class Metrics {
   public:
     /// Starts a run. `time_limit` [s] is per attempt. Without a physiology, vital signs are not simulated.
-    void begin(const anatomy::Patient& patient, const Laryngoscope& scope, double time_limit = 30.0,
-               const std::optional<Physiology>& physiology = std::nullopt,
+    void begin(const patient::Patient& patient, const Laryngoscope& scope, double time_limit = 30.0,
+               const std::optional<physiology::Physiology>& physiology = std::nullopt,
                PatientKind of = PatientKind::newborn);
 
     /// Processes the next snapshot; ignores one that is not newer than the last. `view` is the newest result
@@ -90,7 +90,7 @@ class Metrics {
     void end_attempt();
     void log_transitions(const AirwayWatch::Changes& changes);
     void log_vital_signs(double seconds);
-    [[nodiscard]] Ventilation ventilation() const;
+    [[nodiscard]] physiology::Ventilation ventilation() const;
     /// Clears the metrics that this kind of patient does not provide.
     [[nodiscard]] AttemptMetrics measured(AttemptMetrics metrics) const;
     [[nodiscard]] Outcome outcome(const OutcomeTracker& tracker) const;
@@ -106,7 +106,7 @@ class Metrics {
     GateTracker blade_;
     AirwayWatch tube_;
     float trachea_length_ = 0.0f;
-    std::optional<VitalSigns> vital_signs_;
+    std::optional<physiology::VitalSigns> vital_signs_;
     bool desaturated_ = false, bradycardic_ = false;
     double depth_at_lip_ = 0.0;  // [m], latest
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eti::metrics {
+namespace eti::physiology {
 namespace {
 
 constexpr double dry_pressure = 713.0;   // [mmHg], of inspired gas without water vapour, at sea level
@@ -27,7 +27,7 @@ constexpr double scarce = 0.1;
 
 }  // namespace
 
-Physiology physiology(double weight, double weeks, double inspired_oxygen) {
+Physiology newborn_physiology(double weight, double weeks, double inspired_oxygen) {
     // 0 up to 26 weeks, 1 at term.
     const double mature = std::clamp((weeks - 26.0) / 14.0, 0.0, 1.0);
     constexpr double minute = 60.0;
@@ -109,4 +109,4 @@ void VitalSigns::step(double seconds, Ventilation ventilation) {
     heart_rate_ += (target - heart_rate_) * std::min(seconds / heart_lag, 1.0);
 }
 
-}  // namespace eti::metrics
+}  // namespace eti::physiology

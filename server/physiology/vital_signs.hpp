@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
-namespace eti::metrics {
+namespace eti::physiology {
 
 /// Parameters that determine how fast a newborn desaturates. Sources and ranges: docs/vital-signs.md.
 struct Physiology {
@@ -20,7 +20,7 @@ struct Physiology {
 
 /// Parameters of a newborn of `weight` [kg] and `weeks` of gestation, ventilated with `inspired_oxygen` (0.21
 /// to 1).
-[[nodiscard]] Physiology physiology(double weight, double weeks, double inspired_oxygen);
+[[nodiscard]] Physiology newborn_physiology(double weight, double weeks, double inspired_oxygen);
 
 /// Oxygen saturation (0 to 1) at an oxygen pressure [mmHg]: the curve of Severinghaus 1979 (J Appl Physiol
 /// 46:599), shifted to the given P50.
@@ -60,4 +60,4 @@ class VitalSigns {
     double heart_rate_ = 0.0;
 };
 
-}  // namespace eti::metrics
+}  // namespace eti::physiology

@@ -28,19 +28,19 @@ DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
 
 }  // namespace
 
-PosedShell::PosedShell(const anatomy::Patient& patient, const anatomy::BonePoses& bones) : patient_(patient) {
+PosedShell::PosedShell(const patient::Patient& patient, const patient::BonePoses& bones) : patient_(patient) {
     pose_now(bones);
 }
 
-void PosedShell::move(const anatomy::BonePoses& bones) {
+void PosedShell::move(const patient::BonePoses& bones) {
     vertices_.resize(patient_.shell.mesh.vertices.size());
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
         vertices_[i] =
-            anatomy::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
+            patient::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
     }
 }
 
-void PosedShell::pose(const anatomy::BonePoses& bones) {
+void PosedShell::pose(const patient::BonePoses& bones) {
     move(bones);
     stale_ = true;
     if (!pending_.valid()) {
@@ -61,7 +61,7 @@ void PosedShell::take() {
     ++revision_;
 }
 
-void PosedShell::pose_now(const anatomy::BonePoses& bones) {
+void PosedShell::pose_now(const patient::BonePoses& bones) {
     const bool grid_is_of_mesh = revision_ != 0 && !pending_.valid();
     const std::vector<Vec3f> before = vertices_;
     move(bones);

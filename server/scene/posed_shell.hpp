@@ -18,13 +18,13 @@ namespace eti::scene {
 /// session is bit-identical.
 class PosedShell {
   public:
-    PosedShell(const anatomy::Patient& patient, const anatomy::BonePoses& bones);
+    PosedShell(const patient::Patient& patient, const patient::BonePoses& bones);
 
     /// Moves the mesh. The distance grid follows `grid_delay` steps later; a move in between is picked up
     /// after that.
-    void pose(const anatomy::BonePoses& bones);
+    void pose(const patient::BonePoses& bones);
     /// Moves mesh and grid, and waits for the grid if it has changed.
-    void pose_now(const anatomy::BonePoses& bones);
+    void pose_now(const patient::BonePoses& bones);
     /// Call once per step; adopts a finished grid.
     void advance();
 
@@ -37,11 +37,11 @@ class PosedShell {
     static constexpr float band = 4e-3f;    ///< [m]; distances are exact within this band
 
   private:
-    void move(const anatomy::BonePoses& bones);
+    void move(const patient::BonePoses& bones);
     void start();
     void take();
 
-    const anatomy::Patient& patient_;
+    const patient::Patient& patient_;
     std::vector<Vec3f> vertices_;
     DistanceGrid distance_;
     std::uint64_t revision_ = 0;

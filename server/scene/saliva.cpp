@@ -35,14 +35,14 @@ constexpr int steps_per_wall = 2;  // half the rate costs half, without visible 
 constexpr float way = 0.1f * step_duration * steps_per_wall;
 
 /// Bounding box of the head over all postures, as far as the shell reaches.
-std::array<Vec3f, 2> head_box(const anatomy::Patient& patient, float margin) {
+std::array<Vec3f, 2> head_box(const patient::Patient& patient, float margin) {
     std::array<Vec3f, 2> box = {patient.shell.mesh.vertices.front(), patient.shell.mesh.vertices.front()};
     for (const float elevation : {0.0f, max_head_elevation}) {
         for (const float opening : {0.0f, max_jaw_opening}) {
-            const anatomy::BonePoses bones = anatomy::pose_bones(patient.skeleton, {elevation, opening});
+            const patient::BonePoses bones = patient::pose_bones(patient.skeleton, {elevation, opening});
             for (std::size_t i = 0; i < patient.shell.mesh.vertices.size(); ++i) {
                 const Vec3f p =
-                    anatomy::pose_point(patient.shell.mesh.vertices[i], patient.shell.vertex_bones[i], bones);
+                    patient::pose_point(patient.shell.mesh.vertices[i], patient.shell.vertex_bones[i], bones);
                 box[0] = box[0].cwiseMin(p);
                 box[1] = box[1].cwiseMax(p);
             }
@@ -51,11 +51,11 @@ std::array<Vec3f, 2> head_box(const anatomy::Patient& patient, float margin) {
     return {box[0] - Vec3f::Constant(margin), box[1] + Vec3f::Constant(margin)};
 }
 
-float size_of(const anatomy::Patient& patient) {
+float size_of(const patient::Patient& patient) {
     return std::cbrt(patient.weight / 3.5f);
 }
 
-pbd::FluidSettings fluid_settings(const anatomy::Patient& patient, LiquidKind kind) {
+pbd::FluidSettings fluid_settings(const patient::Patient& patient, LiquidKind kind) {
     const float size = size_of(patient);
     pbd::FluidSettings s = saliva_settings(saliva_spacing(patient), substep, kind);
     const auto [lower, upper] = head_box(patient, size * beyond_head);
@@ -73,7 +73,7 @@ pbd::MovingCapsule part_of(const pbd::MovingCapsule& whole, float begin, float e
 
 }  // namespace
 
-float saliva_spacing(const anatomy::Patient& patient) {
+float saliva_spacing(const patient::Patient& patient) {
     return std::max(size_of(patient) * spacing, min_spacing);
 }
 
@@ -94,7 +94,7 @@ pbd::FluidSettings saliva_settings(float spacing, float dt, LiquidKind kind) {
     return s;
 }
 
-Saliva::Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius,
+Saliva::Saliva(const patient::Patient& patient, const Laryngoscope& scope, float tube_radius,
                std::uint64_t seed, LiquidKind kind)
     : patient_(patient),
       scope_(scope),
@@ -161,7 +161,7 @@ void Saliva::find_glands(const SalivaSurroundings& at) {
         molars + Vec3f(18e-3f * size_, 0, 0), molars - Vec3f(18e-3f * size_, 0, 0)};
     for (std::size_t k = 0; k < glands_.size(); ++k) {
         Gland& gland = glands_[k];
-        gland.bone = k < 2 ? anatomy::Bone::mandible : anatomy::Bone::skull;
+        gland.bone = k < 2 ? patient::Bone::mandible : patient::Bone::skull;
         const RigidTransform back = at.bones[static_cast<std::size_t>(gland.bone)].inverse();
         const Vec3f place = nearest_free(places[k], gland_search * size_);
         gland.place = back * place;
@@ -235,7 +235,7 @@ void Saliva::fill(const Vec3f& from, std::size_t count, Order order, std::set<Pl
     }
 }
 
-void Saliva::place_emitters(const anatomy::BonePoses& bones) {
+void Saliva::place_emitters(const patient::BonePoses& bones) {
     for (std::size_t k = 0; k < glands_.size(); ++k) {
         const RigidTransform& bone = bones[static_cast<std::size_t>(glands_[k].bone)];
         fluid_.place_emitter(k, bone * glands_[k].place, bone.rotation * glands_[k].direction);

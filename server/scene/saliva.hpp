@@ -24,17 +24,17 @@ struct SalivaSurroundings {
     const DistanceGrid& shell;
     std::uint64_t shell_revision = 0;
     const pbd::Particles& tissue;
-    anatomy::BonePoses bones;
+    patient::BonePoses bones;
     const Landmarks& landmarks;
     RigidTransform blade_from, blade_to;
     std::span<const Vec3f> tube_from, tube_to;  ///< node positions [m]
     float suction = 0.0f;                       ///< 0..1
-    Vec3f gravity = anatomy::gravity(0.0f);     ///< [m/s^2]
+    Vec3f gravity = patient::gravity(0.0f);     ///< [m/s^2]
     float secretion = 1.0f;                     ///< secretion rate over the normal rate
 };
 
 /// Spacing [m] of particles at rest in this patient.
-[[nodiscard]] float saliva_spacing(const anatomy::Patient& patient);
+[[nodiscard]] float saliva_spacing(const patient::Patient& patient);
 
 /// Settings for saliva, or the liquid that replaces it, with particles `spacing` [m] apart and substeps of
 /// `dt` [s]. Surface tension is limited to what is stable for these. The caller sets the bounding box.
@@ -45,7 +45,7 @@ struct SalivaSurroundings {
 /// secretion; or blood in the same places. Liquid follows tissue and tools and exerts no force on them.
 class Saliva {
   public:
-    Saliva(const anatomy::Patient& patient, const Laryngoscope& scope, float tube_radius, std::uint64_t seed,
+    Saliva(const patient::Patient& patient, const Laryngoscope& scope, float tube_radius, std::uint64_t seed,
            LiquidKind kind = LiquidKind::saliva);
 
     /// Resets the liquid to the start of a session, in the posture of `at`: empty if `dry`, else pool and
@@ -69,7 +69,7 @@ class Saliva {
   private:
     /// The orifice of a gland, attached to one bone.
     struct Gland {
-        anatomy::Bone bone;
+        patient::Bone bone;
         Vec3f place = Vec3f::Zero(), direction = Vec3f::UnitZ();  ///< in the rest posture
     };
 
@@ -80,11 +80,11 @@ class Saliva {
               const Landmarks& landmarks);
     [[nodiscard]] bool holds_liquid(const Vec3f& point, const Landmarks& landmarks) const;
     [[nodiscard]] Vec3f nearest_free(const Vec3f& point, float radius) const;
-    void place_emitters(const anatomy::BonePoses& bones);
+    void place_emitters(const patient::BonePoses& bones);
     void place_capsules(const SalivaSurroundings& during);
     void run(const DistanceGrid& shell, std::uint64_t shell_revision);
 
-    const anatomy::Patient& patient_;
+    const patient::Patient& patient_;
     Laryngoscope scope_;
     float tube_radius_;  // [m]
     float size_;         // size of the patient relative to a newborn of 3.5 kg

@@ -18,7 +18,7 @@ namespace eti::scene {
 namespace {
 
 constexpr int swelling_delay = 90;  // [steps]; half a second
-constexpr float tissue_weight_share = anatomy::physical_tissue_density / anatomy::tissue_density;
+constexpr float tissue_weight_share = patient::physical_tissue_density / patient::tissue_density;
 
 template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
@@ -31,7 +31,7 @@ void add(Hash& hash, const RigidTransform& pose) {
 
 }  // namespace
 
-Scene::Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube,
+Scene::Scene(const patient::Patient& patient, const Laryngoscope& scope, const Tube& tube,
              const Inputs& start, const Settings& settings)
     : patient_(patient),
       settings_(settings),
@@ -84,7 +84,7 @@ void Scene::reset(const Inputs& start) {
     update_gravity();
     if (live_.tongue_scale != before.tongue_scale) {
         if (!tissue_.has_swelling()) {
-            tissue_.set_swelling(swelling_.valid() ? swelling_.get() : anatomy::tongue_swelling(patient_));
+            tissue_.set_swelling(swelling_.valid() ? swelling_.get() : patient::tongue_swelling(patient_));
         }
         tissue_.set_tongue_growth(growth());
     }
@@ -92,7 +92,7 @@ void Scene::reset(const Inputs& start) {
         tissue_.set_stiffness(live_.tissue_stiffness);
     }
     tube_.set_material(apply_to_tube(built_tube_, live_));
-    const anatomy::BonePoses bones = bones_at(live_);
+    const patient::BonePoses bones = bones_at(live_);
     tissue_.pose(bones);
     tissue_.reset();
     shell_.pose_now(bones);
@@ -146,7 +146,7 @@ void Scene::follow(const RuntimeParameters& wanted) {
     if (!bones_move && !tongue_grows) {
         return;
     }
-    const anatomy::BonePoses bones = bones_at(live_);
+    const patient::BonePoses bones = bones_at(live_);
     tissue_.pose(bones);
     if (bones_move) {
         shell_.pose(bones);
@@ -167,7 +167,7 @@ bool Scene::swelling_ready() {
         return true;
     }
     if (!swelling_.valid()) {
-        swelling_ = std::async(std::launch::async, [this] { return anatomy::tongue_swelling(patient_); });
+        swelling_ = std::async(std::launch::async, [this] { return patient::tongue_swelling(patient_); });
         swelling_wait_ = swelling_delay;
     }
     if (--swelling_wait_ > 0) {
@@ -178,8 +178,8 @@ bool Scene::swelling_ready() {
 }
 
 void Scene::update_gravity() {
-    gravity_ = anatomy::gravity(live_.table_angle);
-    const Vec3f turned = gravity_ - anatomy::gravity(0.0f);
+    gravity_ = patient::gravity(live_.table_angle);
+    const Vec3f turned = gravity_ - patient::gravity(0.0f);
     tissue_.body().settings.acceleration = tissue_weight_share * turned;
     tissue_.tongue().acceleration = turned;
     wake_tissue();
@@ -375,7 +375,7 @@ void Scene::fill_snapshot(const Inputs& inputs) {
     s.tube_force = grip.force;
     s.tube_torque = grip.torque;
     tissue_.frames(s.frames, head());
-    const auto carried = [&](const anatomy::CarriedPoint& point) {
+    const auto carried = [&](const patient::CarriedPoint& point) {
         return skin_point(point.rest, point.skin, patient_.frame_rest_centre, s.frames);
     };
     for (std::size_t i = 0; i < landmark_count; ++i) {

@@ -55,7 +55,7 @@ struct Settings {
 /// liquid; the rigid layer computes the laryngoscope's proxy.
 class Scene {
   public:
-    Scene(const anatomy::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
+    Scene(const patient::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
           const Settings& settings);
 
     /// Advances by one step of 1/180 s. Calls `proxy_moved` with the step's proxy as soon as the rigid layer
@@ -99,8 +99,8 @@ class Scene {
     /// Sizes of cranium and tongue relative to the model as built.
     [[nodiscard]] float head() const { return live_.head_scale / settings_.head_scale; }
     [[nodiscard]] float growth() const { return live_.tongue_scale / settings_.tongue_scale; }
-    [[nodiscard]] anatomy::BonePoses bones_at(const RuntimeParameters& live) const {
-        return anatomy::pose_bones(patient_.skeleton,
+    [[nodiscard]] patient::BonePoses bones_at(const RuntimeParameters& live) const {
+        return patient::pose_bones(patient_.skeleton,
                                    {live.head_elevation, live.jaw_opening, live.table_angle});
     }
     /// Keeps the tongue out of palate, gums and pharynx.
@@ -116,7 +116,7 @@ class Scene {
     /// Surroundings of the saliva while the blade moves to `blade_to`.
     [[nodiscard]] SalivaSurroundings saliva_surroundings(const RigidTransform& blade_to, float suction) const;
 
-    const anatomy::Patient& patient_;
+    const patient::Patient& patient_;
     Settings settings_;
     RuntimeParameters live_;
     // Swelling of the tongue, computed in the background once another size is requested and adopted a fixed

@@ -37,7 +37,7 @@ Eigen::Vector4f wide(const Vec3f& v) {
 
 }  // namespace
 
-void SkinFrameCorrection::configure(const anatomy::Patient& patient,
+void SkinFrameCorrection::configure(const patient::Patient& patient,
                                     std::span<const std::uint32_t> tetrahedra) {
     *this = {};
     rest_centre_ = patient.frame_rest_centre;
@@ -88,8 +88,8 @@ void SkinFrameCorrection::configure(const anatomy::Patient& patient,
     for (std::size_t f = 0; f < carried_.size(); ++f) {
         if (carried_[f] > 0.0f) {
             used_.push_back(static_cast<std::uint16_t>(f));
-            const std::size_t cluster = f - anatomy::bone_count;
-            if (f >= anatomy::bone_count && cluster < patient.clusters.size() &&
+            const std::size_t cluster = f - patient::bone_count;
+            if (f >= patient::bone_count && cluster < patient.clusters.size() &&
                 patient.clusters.tissue[cluster] == Tissue::tongue) {
                 shifted_.push_back(static_cast<std::uint16_t>(f));
             }

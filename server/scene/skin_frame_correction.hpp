@@ -19,7 +19,7 @@ namespace eti::scene {
 class SkinFrameCorrection {
   public:
     /// `tetrahedra`: indices, in the patient, of the tongue's tetrahedra.
-    void configure(const anatomy::Patient& patient, std::span<const std::uint32_t> tetrahedra);
+    void configure(const patient::Patient& patient, std::span<const std::uint32_t> tetrahedra);
 
     /// Shifts the frames of the tongue's clusters by the weighted mean residual of the vertices that they
     /// carry, in several iterations. `position` [particles][m]; `frames` [bones | clusters | skull], fitted

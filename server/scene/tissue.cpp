@@ -20,7 +20,7 @@ namespace {
 
 /// Input modulus [Pa] for a `wanted` one. Overlapping clusters are softer than each of them. Those of the
 /// epiglottis do not overlap and are practically rigid: it bends between them.
-float input_modulus_of(const anatomy::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
+float input_modulus_of(const patient::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
     if (patient.clusters.tissue[cluster] == Tissue::epiglottis) {
         return wanted;
     }
@@ -29,7 +29,7 @@ float input_modulus_of(const anatomy::Patient& patient, std::uint32_t cluster, f
         spacing = std::max(spacing, 2.0f * patient.particles.radius[i]);
     }
     return pbd::calibrated_modulus({.spacing = spacing,
-                                    .density = anatomy::tissue_density,
+                                    .density = patient::tissue_density,
                                     .substep = substep,
                                     .load = pbd::ClusterLoad::tongue},
                                    wanted)
@@ -43,11 +43,11 @@ constexpr float fitted_reach = 1.75f;
 constexpr std::size_t fewest_members = 4;
 
 /// A cluster's members within `reach` spacings of their centre; all members where those are too few.
-std::vector<std::uint32_t> members_about_middle(const anatomy::Patient& patient, std::uint32_t cluster,
+std::vector<std::uint32_t> members_about_middle(const patient::Patient& patient, std::uint32_t cluster,
                                                 float reach) {
-    const anatomy::ParticleSet& set = patient.particles;
+    const patient::ParticleSet& set = patient.particles;
     const auto members = patient.clusters.members(cluster);
-    const Vec3f& middle = patient.frame_rest_centre[anatomy::bone_count + cluster];
+    const Vec3f& middle = patient.frame_rest_centre[patient::bone_count + cluster];
     std::vector<std::uint32_t> near;
     std::ranges::copy_if(members, std::back_inserter(near), [&](std::uint32_t i) {
         return (set.rest[i] - middle).norm() <= reach * 2.0f * set.radius[i];
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> members_about_middle(const anatomy::Patient& patient,
 }
 
 /// The epiglottis as a chain that bends from stalk to tip; empty if it is a single cluster.
-std::optional<pbd::ClusterChain> epiglottis_of(const anatomy::Patient& patient,
+std::optional<pbd::ClusterChain> epiglottis_of(const patient::Patient& patient,
                                                const pbd::ShapeMatching::Description& shapes,
                                                const pbd::Particles& particles) {
     pbd::ClusterChain::Description plate;
@@ -79,10 +79,10 @@ std::optional<pbd::ClusterChain> epiglottis_of(const anatomy::Patient& patient,
 
 }  // namespace
 
-SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, float substep)
+SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod model, float substep)
     : patient_(patient), substep_(substep), soft_(patient.tissue_stiffness) {
-    const anatomy::ParticleSet& set = patient.particles;
-    body_.settings.damping = anatomy::tissue_damping;
+    const patient::ParticleSet& set = patient.particles;
+    body_.settings.damping = patient::tissue_damping;
     pbd::Particles& p = body_.particles;
     p.resize(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) {
@@ -107,7 +107,7 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
     if (model != TissueMethod::clusters) {
-        meshed_ = anatomy::tetrahedra_of(Tissue::tongue, patient);
+        meshed_ = patient::tetrahedra_of(Tissue::tongue, patient);
         for (const std::uint32_t t : meshed_) {
             mesh.tetrahedra.push_back(patient.tetrahedra.corners[t]);
             mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
@@ -145,24 +145,24 @@ SoftTissue::SoftTissue(const anatomy::Patient& patient, TissueMethod model, floa
         body_.constraints.emplace_back(std::move(*epiglottis));
     }
 
-    const anatomy::ClusterSet& clusters = patient.clusters;
-    const std::vector<anatomy::BoneWeights> of_frame = anatomy::frame_bones(patient);
-    const auto first = of_frame.begin() + anatomy::bone_count;
+    const patient::ClusterSet& clusters = patient.clusters;
+    const std::vector<patient::BoneWeights> of_frame = patient::frame_bones(patient);
+    const auto first = of_frame.begin() + patient::bone_count;
     cluster_bones_.assign(first, first + static_cast<std::ptrdiff_t>(clusters.size()));
     cluster_turn_.resize(clusters.size());
     cluster_posed_centre_.resize(clusters.size());
-    pose(anatomy::pose_bones(patient.skeleton, {}));
+    pose(patient::pose_bones(patient.skeleton, {}));
     reset();
 }
 
 pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uint32_t> wanted, float substep,
                                                         float reach) const {
-    const anatomy::ParticleSet& set = patient_.particles;
+    const patient::ParticleSet& set = patient_.particles;
     pbd::ShapeMatching::Description shapes;
     for (const float radius : set.radius) {
         const float volume = 8.0f * radius * radius * radius;
         shapes.particle_volume.push_back(volume);
-        shapes.fitting_mass.push_back(anatomy::tissue_density * volume);
+        shapes.fitting_mass.push_back(patient::tissue_density * volume);
     }
     shapes.first.push_back(0);
     for (const std::uint32_t c : wanted) {
@@ -175,22 +175,22 @@ pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uin
     return shapes;
 }
 
-void SoftTissue::pose(const anatomy::BonePoses& bones) {
+void SoftTissue::pose(const patient::BonePoses& bones) {
     bones_ = bones;
     pbd::Particles& p = body_.particles;
     for (std::size_t i = 0; i < p.size(); ++i) {
-        p.rest[i] = anatomy::pose_point(grown(i), patient_.particles.bones[i], bones);
+        p.rest[i] = patient::pose_point(grown(i), patient_.particles.bones[i], bones);
     }
     body_.set_rest();
     tongue_.set_rest(p);
     fitted_.set_rest(p);
     for (std::size_t c = 0; c < cluster_turn_.size(); ++c) {
-        cluster_turn_[c] = anatomy::pose_rotation(cluster_bones_[c], bones);
-        Vec3f centre = patient_.frame_rest_centre[anatomy::bone_count + c];
+        cluster_turn_[c] = patient::pose_rotation(cluster_bones_[c], bones);
+        Vec3f centre = patient_.frame_rest_centre[patient::bone_count + c];
         if (growth_ != 1.0f) {
             centre += (growth_ - 1.0f) * cluster_swelling_[c];
         }
-        cluster_posed_centre_[c] = anatomy::pose_point(centre, cluster_bones_[c], bones);
+        cluster_posed_centre_[c] = patient::pose_point(centre, cluster_bones_[c], bones);
     }
 }
 
@@ -226,7 +226,7 @@ void SoftTissue::update_moduli() {
     body_.sleep.wake_all(body_.particles);
     moduli_.clear();
     for (const std::uint32_t t : meshed_) {
-        moduli_.push_back(anatomy::tetrahedron_modulus(patient_, t, soft_));
+        moduli_.push_back(patient::tetrahedron_modulus(patient_, t, soft_));
     }
     if (tongue_.empty()) {
         body_.tetrahedra.set_youngs_modulus(moduli_);
@@ -238,12 +238,12 @@ void SoftTissue::update_moduli() {
         // A cluster's springs scale with its size (E V / r^2), as a tetrahedron's do with its rest shape.
         const float size = patient_.clusters.tissue[c] == Tissue::tongue ? growth_ : 1.0f;
         moduli_.push_back(
-            size * input_modulus_of(patient_, c, anatomy::cluster_modulus(patient_, c, soft_), substep_));
+            size * input_modulus_of(patient_, c, patient::cluster_modulus(patient_, c, soft_), substep_));
     }
     body_.shapes.set_youngs_modulus(moduli_);
     moduli_.clear();
     for (std::uint32_t l = 0; l < patient_.links.ends.size(); ++l) {
-        moduli_.push_back(anatomy::link_stiffness(patient_, l, soft_));
+        moduli_.push_back(patient::link_stiffness(patient_, l, soft_));
     }
     body_.links.set_stiffness(moduli_);
 }
@@ -261,7 +261,7 @@ void SoftTissue::enable_sleeping() {
 
 void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
     frames.resize(patient_.frame_rest_centre.size());
-    for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
+    for (std::size_t b = 0; b < patient::bone_count; ++b) {
         frames[b] = {bones_[b] * patient_.frame_rest_centre[b], bones_[b].rotation};
     }
     // If so, sleeping clusters are rewritten, too: the correction shifts frames from their fit.
@@ -278,8 +278,8 @@ void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {
         frames_of(fitted_, fitted_clusters_, 0, fitted_clusters_.size(), frames);
         drawn_.shift(body_.particles.position, frames);
     }
-    const RigidTransform& skull = bones_[static_cast<std::size_t>(anatomy::Bone::skull)];
-    for (std::size_t f = anatomy::bone_count + cluster_turn_.size(); f < frames.size(); ++f) {
+    const RigidTransform& skull = bones_[static_cast<std::size_t>(patient::Bone::skull)];
+    for (std::size_t f = patient::bone_count + cluster_turn_.size(); f < frames.size(); ++f) {
         frames[f] = {skull * (head_size * patient_.frame_rest_centre[f]), skull.rotation};
     }
 }
@@ -289,7 +289,7 @@ void SoftTissue::frames_of(const pbd::ShapeMatching& shapes, std::span<const std
     for (std::size_t k = first; k < end; ++k) {
         const std::uint32_t c = clusters[k];
         const Quatf rotation = shapes.rotation()[k];
-        frames[anatomy::bone_count + c] = {
+        frames[patient::bone_count + c] = {
             rotation * (cluster_posed_centre_[c] - shapes.rest_centre()[k]) + shapes.centre()[k],
             (rotation * cluster_turn_[c]).normalized()};
     }

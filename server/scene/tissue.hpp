@@ -20,12 +20,12 @@ namespace eti::scene {
 class SoftTissue {
   public:
     /// `substep` [s]: the calibrated stiffness of clusters depends on it.
-    SoftTissue(const anatomy::Patient& patient, TissueMethod model, float substep);
+    SoftTissue(const patient::Patient& patient, TissueMethod model, float substep);
 
     /// Carries the unloaded shape to a posture. Particles bound to bone move there over the next step.
-    void pose(const anatomy::BonePoses& bones);
+    void pose(const patient::BonePoses& bones);
 
-    /// Sets the tongue's growth field (see anatomy::tongue_swelling()); required before set_tongue_growth().
+    /// Sets the tongue's growth field (see patient::tongue_swelling()); required before set_tongue_growth().
     void set_swelling(std::vector<Vec3f> displacement);
     [[nodiscard]] bool has_swelling() const { return !swelling_.empty(); }
     /// Length of the tongue relative to the built one; takes effect with the next pose(). Masses do not
@@ -72,15 +72,15 @@ class SoftTissue {
     void frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
                    std::size_t first, std::size_t end, std::vector<FramePose>& frames) const;
 
-    const anatomy::Patient& patient_;
+    const patient::Patient& patient_;
     pbd::SoftBody body_;
     std::vector<std::array<std::uint32_t, 2>> surface_edges_;
     Tongue tongue_;
     pbd::ShapeMatching fitted_;  // clusters of particles that tetrahedra move; used for their frames only
     SkinFrameCorrection drawn_;  // corrects fitted frames to the tetrahedra
     std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // indices of both in the patient
-    anatomy::BonePoses bones_;
-    std::vector<anatomy::BoneWeights> cluster_bones_;  // mean over each cluster's members
+    patient::BonePoses bones_;
+    std::vector<patient::BoneWeights> cluster_bones_;  // mean over each cluster's members
     std::vector<Quatf> cluster_turn_;                  // rotation from model rest to posed rest
     std::vector<Vec3f> cluster_posed_centre_;          // frame centre in the posed rest
     float substep_;                                    // [s]

@@ -30,7 +30,7 @@ int Tongue::solve_count(float blade_way, int substeps) {
 void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
                        pbd::Particles& particles, float substep) {
     substep_ = substep;
-    constexpr float lighter = anatomy::tissue_density / anatomy::physical_tissue_density;
+    constexpr float lighter = patient::tissue_density / patient::physical_tissue_density;
     std::vector<float> inverse_mass = particles.inverse_mass;
     for (float& w : inverse_mass) {
         w *= lighter;

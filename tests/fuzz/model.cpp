@@ -12,7 +12,7 @@
 #include "server/patient/model/model_file.hpp"
 #include "tests/unit/server/patient/model/random_patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 std::vector<char> saved() {
@@ -50,17 +50,17 @@ void require_usable(const Patient& patient) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace eti;
     hdf5::prepare_thread();
-    static const std::vector<char> sound = anatomy::saved();
+    static const std::vector<char> sound = patient::saved();
     static const fuzz::MemoryFile file;
     const std::filesystem::path path = file.path();
     fuzz::hold_changed(file, sound, data, size);
     fuzz::read_or_refuse<hdf5::Error>(path.string(),
-                                      [&] { anatomy::require_usable(anatomy::load_patient(path)); });
-    fuzz::read_or_refuse<hdf5::Error>(path.string(), [&] { (void)anatomy::load_provenance(path); });
+                                      [&] { patient::require_usable(patient::load_patient(path)); });
+    fuzz::read_or_refuse<hdf5::Error>(path.string(), [&] { (void)patient::load_provenance(path); });
     return 0;
 }

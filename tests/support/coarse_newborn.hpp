@@ -8,12 +8,12 @@
 namespace eti::test {
 
 /// Coarse enough to build the newborn within seconds.
-inline constexpr anatomy::BuildSettings coarse_build{
+inline constexpr patient::BuildSettings coarse_build{
     .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f};
 
 /// The built-in newborn, from the patient cache if another program has built it already.
-inline const anatomy::Patient& coarse_newborn() {
-    static const anatomy::Patient patient = app::cached_patient({}, coarse_build);
+inline const patient::Patient& coarse_newborn() {
+    static const patient::Patient patient = app::cached_patient({}, coarse_build);
     return patient;
 }
 

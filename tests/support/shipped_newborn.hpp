@@ -9,8 +9,8 @@ namespace eti::test {
 
 /// The built-in newborn at the server's resolution, from the patient cache if the same sources have built it
 /// already: building takes a quarter of a minute of processor time.
-inline const anatomy::Patient& shipped_newborn() {
-    static const anatomy::Patient patient = app::cached_patient({}, {});
+inline const patient::Patient& shipped_newborn() {
+    static const patient::Patient patient = app::cached_patient({}, {});
     return patient;
 }
 

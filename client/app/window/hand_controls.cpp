@@ -13,8 +13,8 @@
 namespace eti::client {
 namespace {
 
-std::optional<HandPlayback> play_of(const std::filesystem::path& file) {
-    return file.empty() ? std::nullopt : std::optional(HandPlayback::load(file));
+std::optional<hands::HandPlayback> play_of(const std::filesystem::path& file) {
+    return file.empty() ? std::nullopt : std::optional(hands::HandPlayback::load(file));
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, std::string>> hand_controls_help() {
         {"wheel", "slide the tool in and out"},
         {"shift+mouse", "move the view instead"},
         {"z", "hand back to its start"}};
-    for (const HandKey& key : hand_keys()) {
+    for (const hands::HandKey& key : hands::hand_keys()) {
         out.emplace_back(key.caption, key.help);
     }
     return out;
@@ -79,7 +79,7 @@ bool HandControls::key(const KeyEvent& event) {
         }
         return true;
     }
-    if (!is_hand_key(event.key)) {
+    if (!hands::is_hand_key(event.key)) {
         return false;
     }
     if (!played_ && !event.repeated) {
@@ -88,8 +88,8 @@ bool HandControls::key(const KeyEvent& event) {
     return true;
 }
 
-bool HandControls::drag(const Drag& mouse, const Controls& controls, const view::SceneView& scene, int width,
-                        int height) {
+bool HandControls::drag(const hands::Drag& mouse, const Controls& controls, const view::SceneView& scene,
+                        int width, int height) {
     if (mouse.shift) {
         return false;
     }
@@ -108,7 +108,7 @@ void HandControls::add_to(hud::Readout& readout) const {
     if (tutorial_) {
         tutorial_->add_to(readout);
     }
-    const HandsState now = link_.state();
+    const hands::HandsState now = link_.state();
     if (!now.holding) {
         return;
     }
@@ -124,7 +124,7 @@ void HandControls::add_to(hud::Readout& readout) const {
 }
 
 nlohmann::json HandControls::report() const {
-    const HandsState now = link_.state();
+    const hands::HandsState now = link_.state();
     nlohmann::json out{{"poses", {{"laryngoscope", now.poses[0]}, {"tube", now.poses[1]}}},
                        {"ours", {{"laryngoscope", now.owned[0]}, {"tube", now.owned[1]}}},
                        {"played", played_ && now.played}};

@@ -28,7 +28,7 @@ class HandControls {
 
     /// Returns true if the event was consumed.
     bool key(const KeyEvent& event);
-    bool drag(const Drag& mouse, const Controls& controls, const view::SceneView& scene, int width,
+    bool drag(const hands::Drag& mouse, const Controls& controls, const view::SceneView& scene, int width,
               int height);
 
     /// Updates from the scene; `shown`: the views in the window. Returns true when the next lesson begins.
@@ -45,7 +45,7 @@ class HandControls {
   private:
     bool played_;
     std::optional<Tutorial> tutorial_;
-    HandsLink link_;
+    hands::HandsLink link_;
 };
 
 }  // namespace eti::client

@@ -66,13 +66,13 @@ constexpr std::array vantage_key_table{
     VantageKey{U'x', "x", "section back to the middle", [](Vantage& v, const Landmarks&) { v.section = {}; }},
 };
 
-void turn_onlooker(render::Orbit& orbit, const Drag& mouse) {
+void turn_onlooker(render::Orbit& orbit, const hands::Drag& mouse) {
     orbit.azimuth -= turn_per_pixel * mouse.x;
     orbit.elevation = std::clamp(orbit.elevation + turn_per_pixel * mouse.y, -60.0f * degree, 85.0f * degree);
     orbit.distance = std::clamp(orbit.distance * std::pow(zoom_per_notch, mouse.notches), 0.2f, 1.5f);
 }
 
-void move_eye(view::TraineeEye& eye, const Drag& mouse, const Landmarks& now) {
+void move_eye(view::TraineeEye& eye, const hands::Drag& mouse, const Landmarks& now) {
     if (mouse.right_button) {
         eye.turn(gaze_per_pixel * mouse.x, -gaze_per_pixel * mouse.y);
     } else {
@@ -80,7 +80,7 @@ void move_eye(view::TraineeEye& eye, const Drag& mouse, const Landmarks& now) {
     }
 }
 
-void move_section(render::Section& section, const Drag& mouse) {
+void move_section(render::Section& section, const hands::Drag& mouse) {
     section.shift(plane_per_notch * mouse.notches);
     if (mouse.right_button) {
         section.shift(-plane_per_pixel * mouse.y);
@@ -100,7 +100,7 @@ const VantageKey* vantage_key(char32_t key) {
     return found == vantage_key_table.end() ? nullptr : &*found;
 }
 
-void drag(Vantage& vantage, const render::View& view, const Drag& mouse, const Landmarks& now) {
+void drag(Vantage& vantage, const render::View& view, const hands::Drag& mouse, const Landmarks& now) {
     switch (view.mouse_target) {
         case render::MouseTarget::onlooker:
             turn_onlooker(vantage.orbit, mouse);

@@ -25,7 +25,7 @@ struct VantageKey {
 
 /// Applies a mouse drag in a picture of `view`: moves the observer in an outside view, the plane in a
 /// section view, otherwise the trainee's eye. The right button turns the eye's gaze or shifts the plane.
-void drag(render::Vantage& vantage, const render::View& view, const Drag& mouse, const Landmarks& now);
+void drag(render::Vantage& vantage, const render::View& view, const hands::Drag& mouse, const Landmarks& now);
 
 /// Help text for the mouse.
 [[nodiscard]] std::string_view mouse_help();

@@ -115,7 +115,7 @@ void Window::on_key(int key, int scancode, int action) {
           std::pair{GLFW_KEY_RIGHT, key_right}, std::pair{GLFW_KEY_DOWN, key_down},
           std::pair{GLFW_KEY_ENTER, key_enter}, std::pair{GLFW_KEY_KP_ENTER, key_enter},
           std::pair{GLFW_KEY_BACKSPACE, key_backspace}, std::pair{GLFW_KEY_ESCAPE, key_escape},
-          std::pair{GLFW_KEY_TAB, other_hand_key}, std::pair{GLFW_KEY_F1, key_f1}}) {
+          std::pair{GLFW_KEY_TAB, hands::other_hand_key}, std::pair{GLFW_KEY_F1, key_f1}}) {
         if (key == code) {
             keys_.push_back({silent, action != GLFW_RELEASE, repeating_});
         }
@@ -142,7 +142,7 @@ bool Window::shift_down() const {
            glfwGetKey(window_, GLFW_KEY_RIGHT_SHIFT) == GLFW_PRESS;
 }
 
-void Window::push_drag(const Drag& drag) {
+void Window::push_drag(const hands::Drag& drag) {
     const double scale = pixels_per_unit();
     drags_.push_back(drag);
     drags_.back().at_x = static_cast<float>(scale * last_x_);
@@ -151,9 +151,9 @@ void Window::push_drag(const Drag& drag) {
 
 void Window::on_button(int button, int action, int modifiers) {
     if (action == GLFW_RELEASE) {
-        if (button == held_ && drag_start_.mark != Drag::Mark::none) {
-            Drag ended = drag_start_;
-            ended.mark = Drag::Mark::ends;
+        if (button == held_ && drag_start_.mark != hands::Drag::Mark::none) {
+            hands::Drag ended = drag_start_;
+            ended.mark = hands::Drag::Mark::ends;
             push_drag(ended);
         }
         held_ = button == held_ ? -1 : held_;
@@ -165,16 +165,16 @@ void Window::on_button(int button, int action, int modifiers) {
                        .right_button = button == GLFW_MOUSE_BUTTON_RIGHT,
                        .shift = (modifiers & GLFW_MOD_SHIFT) != 0};
         if (button == GLFW_MOUSE_BUTTON_LEFT && drag_start_.shift) {
-            drag_start_.mark = Drag::Mark::begins;
+            drag_start_.mark = hands::Drag::Mark::begins;
             push_drag(drag_start_);
-            drag_start_.mark = Drag::Mark::continues;
+            drag_start_.mark = hands::Drag::Mark::continues;
         }
     }
 }
 
 void Window::on_move(double x, double y) {
     const double scale = pixels_per_unit();
-    Drag moved = drag_start_;
+    hands::Drag moved = drag_start_;
     moved.x = static_cast<float>(scale * (x - last_x_));
     moved.y = static_cast<float>(scale * (y - last_y_));
     last_x_ = x;

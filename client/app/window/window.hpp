@@ -46,7 +46,7 @@ class Window {
     /// Returns and clears the queued key events, oldest first.
     [[nodiscard]] std::vector<KeyEvent> take_keys() { return std::exchange(keys_, {}); }
     /// Returns and clears the queued mouse drags.
-    [[nodiscard]] std::vector<Drag> take_drags() { return std::exchange(drags_, {}); }
+    [[nodiscard]] std::vector<hands::Drag> take_drags() { return std::exchange(drags_, {}); }
 
   private:
     void on_key(int key, int scancode, int action);
@@ -55,7 +55,7 @@ class Window {
     void on_move(double x, double y);
     void on_wheel(double notches);
     /// Queues a drag with the current mouse position.
-    void push_drag(const Drag& drag);
+    void push_drag(const hands::Drag& drag);
     /// Pixels of the drawing area per window coordinate; window coordinates may be larger than pixels.
     [[nodiscard]] double pixels_per_unit() const;
     [[nodiscard]] bool shift_down() const;
@@ -63,10 +63,10 @@ class Window {
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;
     bool repeating_ = false, escape_intercepted_ = false;
-    std::vector<Drag> drags_;
+    std::vector<hands::Drag> drags_;
     double last_x_ = 0.0, last_y_ = 0.0;
-    int held_ = -1;    ///< mouse button, -1 if none
-    Drag drag_start_;  ///< position where it was pressed
+    int held_ = -1;           ///< mouse button, -1 if none
+    hands::Drag drag_start_;  ///< position where it was pressed
 };
 
 }  // namespace eti::client

@@ -107,7 +107,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
                        : controls.release(event.key, now);
         }
         const panel::Area area = panel.scene_area();
-        for (const Drag& mouse : window.take_drags()) {
+        for (const hands::Drag& mouse : window.take_drags()) {
             if (!panel.has_mouse() &&
                 (!hands || !hands->drag(mouse, controls, scene, area.width, area.height))) {
                 controls.drag(mouse, scene, area.width, area.height, now);

@@ -27,7 +27,7 @@ constexpr std::chrono::milliseconds shutdown_timeout{2000};
 
 }  // namespace
 
-BusOutput::BusOutput(bus::Node& node, const Scenario& scenario, const anatomy::Patient& patient,
+BusOutput::BusOutput(bus::Node& node, const Scenario& scenario, const patient::Patient& patient,
                      const Laryngoscope& scope, const RuntimeParameters& start)
     : session_(node.options().session),
       description_(node, bus::topics::session_description),

@@ -33,7 +33,7 @@ struct StatusValues {
 class BusOutput {
   public:
     /// `start`: runtime parameters at the start of the session.
-    BusOutput(bus::Node& node, const Scenario& scenario, const anatomy::Patient& patient,
+    BusOutput(bus::Node& node, const Scenario& scenario, const patient::Patient& patient,
               const Laryngoscope& scope, const RuntimeParameters& start);
     ~BusOutput();
     BusOutput(const BusOutput&) = delete;

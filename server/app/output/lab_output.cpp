@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds rest_after_burst{1};
 
 }  // namespace
 
-LabOutput::LabOutput(bus::Node& node, const anatomy::Patient& patient, bool live)
+LabOutput::LabOutput(bus::Node& node, const patient::Patient& patient, bool live)
     : patient_(patient),
       live_(live),
       meshes_(node, bus::topics::mesh_state),

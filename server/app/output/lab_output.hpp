@@ -31,7 +31,7 @@ class LabOutput {
   public:
     /// `patient` must outlive it. `live`: the session runs in real time and other threads wait for the bus;
     /// the thread then writes with real-time priority.
-    LabOutput(bus::Node& node, const anatomy::Patient& patient, bool live = false);
+    LabOutput(bus::Node& node, const patient::Patient& patient, bool live = false);
     ~LabOutput();
     LabOutput(const LabOutput&) = delete;
     LabOutput& operator=(const LabOutput&) = delete;
@@ -59,7 +59,7 @@ class LabOutput {
     template <class Message>
     void write(std::span<const Vec3f> positions, Message& message, bus::Publisher<Message>& to);
 
-    const anatomy::Patient& patient_;
+    const patient::Patient& patient_;
     const bool live_;
     bus::Publisher<msg::MeshState> meshes_;
     bus::Publisher<msg::ParticleState> particles_;

@@ -17,11 +17,11 @@ namespace eti::app {
 
 namespace {
 
-session::PointRecord point(std::string name, const anatomy::CarriedPoint& carried) {
+session::PointRecord point(std::string name, const patient::CarriedPoint& carried) {
     return {std::move(name), carried.rest, carried.skin};
 }
 
-session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscope& scope,
+session::SceneRecord scene_of(const patient::Patient& patient, const Laryngoscope& scope,
                               const Scenario& scenario, const scene::Snapshot& start) {
     session::SceneRecord scene;
     scene.frame_rest_centre = patient.frame_rest_centre;
@@ -29,7 +29,7 @@ session::SceneRecord scene_of(const anatomy::Patient& patient, const Laryngoscop
     for (std::size_t i = 0; i < landmark_count; ++i) {
         scene.landmarks.push_back(point(std::string(landmark_names[i]), patient.landmarks[i]));
     }
-    for (const anatomy::CarriedPoint& corner : patient.glottis_contour) {
+    for (const patient::CarriedPoint& corner : patient.glottis_contour) {
         scene.glottis_contour.push_back(point({}, corner));
     }
     scene.blade = name_of(scope.blade);
@@ -134,7 +134,7 @@ std::string build_description() {
 }
 
 Recorder::Recorder(const std::filesystem::path& path, session::SessionInfo info,
-                   const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario,
+                   const patient::Patient& patient, const Laryngoscope& scope, const Scenario& scenario,
                    const scene::Snapshot& start, bool wait_when_full)
     : writer_(path, completed(std::move(info)), scene_of(patient, scope, scenario, start),
               writer_settings(wait_when_full)) {}

@@ -24,7 +24,7 @@ class Recorder {
     /// `info`: start time, version and build are filled in where empty. `start`: snapshot before the first
     /// step. `wait_when_full`: for runs that are not in real time; see SessionWriter::Settings. Throws
     /// hdf5::Error if the file cannot be created.
-    Recorder(const std::filesystem::path& path, session::SessionInfo info, const anatomy::Patient& patient,
+    Recorder(const std::filesystem::path& path, session::SessionInfo info, const patient::Patient& patient,
              const Laryngoscope& scope, const Scenario& scenario, const scene::Snapshot& start,
              bool wait_when_full);
 

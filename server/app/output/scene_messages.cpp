@@ -51,7 +51,7 @@ void append(std::vector<float>& to, const Vec3f& v) {
 }  // namespace
 
 msg::SessionDescription description_message(const std::string& session, const Scenario& scenario,
-                                            const anatomy::Patient& patient, const Laryngoscope& scope,
+                                            const patient::Patient& patient, const Laryngoscope& scope,
                                             const RuntimeParameters& start) {
     msg::SessionDescription message;
     message.session(session);
@@ -74,7 +74,7 @@ msg::SessionDescription description_message(const std::string& session, const Sc
     return message;
 }
 
-std::vector<msg::SceneDescription> scene_messages(const anatomy::Patient& patient,
+std::vector<msg::SceneDescription> scene_messages(const patient::Patient& patient,
                                                   const Laryngoscope& scope) {
     std::vector<msg::SceneDescription> objects;
     const auto object = [&](std::string name, msg::ObjectKind kind) -> msg::SceneDescription& {

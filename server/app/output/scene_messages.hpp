@@ -35,12 +35,12 @@ struct AttemptStatus {
 /// Description of a session, sent once. `start`: runtime parameters at the start of the session.
 [[nodiscard]] msg::SessionDescription description_message(const std::string& session,
                                                           const Scenario& scenario,
-                                                          const anatomy::Patient& patient,
+                                                          const patient::Patient& patient,
                                                           const Laryngoscope& scope,
                                                           const RuntimeParameters& start);
 
 /// Rest shapes of everything drawn: frames, surfaces, laryngoscope.
-[[nodiscard]] std::vector<msg::SceneDescription> scene_messages(const anatomy::Patient& patient,
+[[nodiscard]] std::vector<msg::SceneDescription> scene_messages(const patient::Patient& patient,
                                                                 const Laryngoscope& scope);
 
 [[nodiscard]] msg::ProxyState proxy_message(const scene::ProxySnapshot& proxy);

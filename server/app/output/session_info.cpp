@@ -35,7 +35,7 @@ std::string text_of(const session::SessionInfo& info, const char* name) {
 
 }  // namespace
 
-session::SessionInfo session_info(const Scenario& scenario, const anatomy::Patient& patient) {
+session::SessionInfo session_info(const Scenario& scenario, const patient::Patient& patient) {
     session::SessionInfo info;
     info.scenario = scenario.name;
     info.scenario_text = scenario.text;
@@ -45,7 +45,7 @@ session::SessionInfo session_info(const Scenario& scenario, const anatomy::Patie
         fmt::format("{}, {}", model_name(), pbd::has_avx2() ? "kernels for AVX2" : "plain kernels");
     info.more[libraries_text] =
         fmt::format("glibc {}, Bullet {}", ::gnu_get_libc_version(), rigid::library_version());
-    info.more[patient_hash_text] = fmt::format("{:016x}", anatomy::hash_of(patient));
+    info.more[patient_hash_text] = fmt::format("{:016x}", patient::hash_of(patient));
     if (scenario.manikin) {
         info.more[session::manikin_text] = "on";
     }

@@ -20,7 +20,7 @@ inline constexpr const char* scenario_folder_text = "scenario_folder";
 
 /// Metadata of a session simulated by this program: scenario, version and everything that its bits depend on.
 /// The caller fills in name, operator and start time.
-[[nodiscard]] session::SessionInfo session_info(const Scenario& scenario, const anatomy::Patient& patient);
+[[nodiscard]] session::SessionInfo session_info(const Scenario& scenario, const patient::Patient& patient);
 
 /// One sentence for each difference that affects bits; items that one of the two lacks are not compared.
 [[nodiscard]] std::vector<std::string> differences(const session::SessionInfo& recorded,

@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t rows_per_place = 6;
 
 /// Builds the patient from the scene in a file.
-anatomy::Patient patient_in(const session::SceneRecord& scene, float weight) {
-    anatomy::Patient patient;
+patient::Patient patient_in(const session::SceneRecord& scene, float weight) {
+    patient::Patient patient;
     patient.weight = weight;
     patient.frame_rest_centre = scene.frame_rest_centre;
     patient.surfaces = scene.surfaces;
@@ -65,7 +65,7 @@ auto latest_before(const Records& records, std::uint64_t time_ns) {
 RecordedStates::RecordedStates(const Recording& recording, const Scenario& scenario)
     : recording_(recording),
       patient_(patient_in(recording.scene, weight_of(scenario, recording.steps.back()))) {
-    if (patient_.frame_rest_centre.size() < anatomy::bone_count || patient_.surfaces.empty()) {
+    if (patient_.frame_rest_centre.size() < patient::bone_count || patient_.surfaces.empty()) {
         throw InputError("the file holds no surfaces to show: its scene is lost");
     }
     const auto ordered = [](const auto& records) {
@@ -167,7 +167,7 @@ const scene::Snapshot& RecordedStates::at(std::size_t row) {
     s.tissue_torque = step.tissue_torque;
     s.runtime_parameters = step.runtime_parameters;
     fill_frames(step.time_ns);
-    const auto carried = [&](const anatomy::CarriedPoint& point) {
+    const auto carried = [&](const patient::CarriedPoint& point) {
         return skin_point(point.rest, point.skin, patient_.frame_rest_centre, s.frames);
     };
     for (std::size_t i = 0; i < landmark_count; ++i) {

@@ -23,7 +23,7 @@ class RecordedStates {
     RecordedStates(const Recording& recording, const Scenario& scenario);
 
     /// The drawn parts of the patient, without particles.
-    [[nodiscard]] const anatomy::Patient& patient() const { return patient_; }
+    [[nodiscard]] const patient::Patient& patient() const { return patient_; }
     [[nodiscard]] std::size_t size() const { return recording_.steps.size(); }
 
     /// Snapshot of the step in this row. Valid until the next call.
@@ -38,7 +38,7 @@ class RecordedStates {
     void find_tube_places();
 
     const Recording& recording_;
-    anatomy::Patient patient_;
+    patient::Patient patient_;
     scene::Snapshot snapshot_;
     AttemptStatus measures_;
     std::vector<FramePose> from_;

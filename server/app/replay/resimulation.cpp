@@ -351,7 +351,7 @@ class Resimulation {
     const Options& options_;
     Recording recording_;
     Scenario scenario_;
-    anatomy::Patient patient_;
+    patient::Patient patient_;
     scene::Inputs inputs_;
     CommandHandler command_handler_;
     StepComparison comparison_;

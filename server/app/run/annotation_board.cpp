@@ -34,7 +34,7 @@ std::pair<std::size_t, std::size_t> places_of(msg::AnnotationKind kind) {
 
 }  // namespace
 
-AnnotationBoard::AnnotationBoard(const anatomy::Patient& patient, TriangleMesh laryngoscope)
+AnnotationBoard::AnnotationBoard(const patient::Patient& patient, TriangleMesh laryngoscope)
     : patient_(patient), laryngoscope_(std::move(laryngoscope)) {}
 
 const Surface* AnnotationBoard::surface(const std::string& object) const {

@@ -27,7 +27,7 @@ class AnnotationBoard {
     static constexpr std::string_view clear_suffix = " wipes all marks away";
 
     /// `patient` must outlive it. `laryngoscope`: the mesh drawn by clients, in the tool's frame.
-    AnnotationBoard(const anatomy::Patient& patient, TriangleMesh laryngoscope);
+    AnnotationBoard(const patient::Patient& patient, TriangleMesh laryngoscope);
 
     /// Result of an annotation.
     struct HandledAnnotation {
@@ -46,7 +46,7 @@ class AnnotationBoard {
                                                       const scene::Snapshot& now) const;
     [[nodiscard]] std::string describe(const msg::Annotation& annotation) const;
 
-    const anatomy::Patient& patient_;
+    const patient::Patient& patient_;
     TriangleMesh laryngoscope_;
     std::uint32_t next_ = 0;  // next slot
     std::uint32_t used_ = 0;  // slots used since the last clear

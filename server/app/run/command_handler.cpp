@@ -85,8 +85,8 @@ std::string CommandHandler::apply(const ReceivedCommand& command) {
 std::string CommandHandler::refusal_of(const RuntimeParameterField& field, float value) const {
     float low = field.low, high = field.high;
     if (field.value == &RuntimeParameters::tongue_scale) {
-        low = std::max(low, anatomy::min_growth * limits_.tongue_scale);
-        high = std::min(high, anatomy::max_growth * limits_.tongue_scale);
+        low = std::max(low, patient::min_growth * limits_.tongue_scale);
+        high = std::min(high, patient::max_growth * limits_.tongue_scale);
     }
     if (std::string refusal = outside(field, value / field.per_unit, low, high); !refusal.empty()) {
         return refusal;

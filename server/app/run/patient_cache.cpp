@@ -17,7 +17,7 @@ namespace eti::app {
 
 namespace {
 
-std::uint64_t hash_of(const anatomy::Provenance& provenance) {
+std::uint64_t hash_of(const patient::Provenance& provenance) {
     Hash hash;
     for (const auto& [key, value] : provenance) {
         hash.add(key + "=" + value + "\n");
@@ -41,16 +41,16 @@ std::filesystem::path cache_folder() {
 namespace {
 
 /// A cached model with the surfaces and shell of `provenance`, whatever its particles.
-std::optional<anatomy::Patient> find_with_same_surfaces(const anatomy::Provenance& provenance,
+std::optional<patient::Patient> find_with_same_surfaces(const patient::Provenance& provenance,
                                                         const std::string& name) {
     std::error_code error;
     for (std::filesystem::directory_iterator i(cache_folder(), error), end; !error && i != end;
          i.increment(error)) {
         try {
             if (i->path().filename().string().starts_with(name) &&
-                anatomy::surface_provenance(anatomy::load_provenance(i->path())) ==
-                    anatomy::surface_provenance(provenance)) {
-                return anatomy::load_patient(i->path());
+                patient::surface_provenance(patient::load_provenance(i->path())) ==
+                    patient::surface_provenance(provenance)) {
+                return patient::load_patient(i->path());
             }
         } catch (const std::exception&) {
             continue;  // another may be intact; if not, everything is built
@@ -60,31 +60,31 @@ std::optional<anatomy::Patient> find_with_same_surfaces(const anatomy::Provenanc
 }
 
 /// With the stiffness of `settings`.
-anatomy::Patient patient_in_cache(const NewbornShape& shape, const anatomy::BuildSettings& settings) {
-    const anatomy::Provenance provenance = anatomy::provenance_of(shape, settings);
+patient::Patient patient_in_cache(const NewbornShape& shape, const patient::BuildSettings& settings) {
+    const patient::Provenance provenance = patient::provenance_of(shape, settings);
     const std::string form =
-        fmt::format("newborn-{:016x}-", hash_of(anatomy::surface_provenance(provenance)));
+        fmt::format("newborn-{:016x}-", hash_of(patient::surface_provenance(provenance)));
     const std::filesystem::path file =
         cache_folder() / fmt::format("{}{:016x}.h5", form, hash_of(provenance));
     std::error_code error;
     if (std::filesystem::exists(file, error)) {
         try {
-            if (anatomy::load_provenance(file) == provenance) {
-                return anatomy::load_patient(file);
+            if (patient::load_provenance(file) == provenance) {
+                return patient::load_patient(file);
             }
         } catch (const std::exception& e) {
             spdlog::warn("cached model not usable, building it anew: {}", e.what());
         }
     }
-    const std::optional<anatomy::Patient> surface_source = find_with_same_surfaces(provenance, form);
+    const std::optional<patient::Patient> surface_source = find_with_same_surfaces(provenance, form);
     spdlog::info("building {}; it is cached as {}",
                  surface_source ? "particles for a patient whose surfaces are cached" : "the patient model",
                  file.string());
-    anatomy::Patient patient =
-        anatomy::build_patient(shape, settings, surface_source ? &*surface_source : nullptr);
+    patient::Patient patient =
+        patient::build_patient(shape, settings, surface_source ? &*surface_source : nullptr);
     try {
         std::filesystem::create_directories(file.parent_path());
-        anatomy::save_patient(patient, file, provenance);
+        patient::save_patient(patient, file, provenance);
     } catch (const std::exception& e) {
         spdlog::warn(
             "model not cached ({}); the next start builds it again. Set ETI_CACHE to a writable folder.",
@@ -95,12 +95,12 @@ anatomy::Patient patient_in_cache(const NewbornShape& shape, const anatomy::Buil
 
 }  // namespace
 
-anatomy::Patient cached_patient(const NewbornShape& shape, anatomy::BuildSettings settings) {
+patient::Patient cached_patient(const NewbornShape& shape, patient::BuildSettings settings) {
     // Geometry does not depend on stiffness: one cached model serves all.
     const float stiffness =
-        std::exchange(settings.tissue_stiffness, anatomy::BuildSettings{}.tissue_stiffness);
-    anatomy::Patient patient = patient_in_cache(shape, settings);
-    anatomy::set_tissue_stiffness(patient, stiffness);
+        std::exchange(settings.tissue_stiffness, patient::BuildSettings{}.tissue_stiffness);
+    patient::Patient patient = patient_in_cache(shape, settings);
+    patient::set_tissue_stiffness(patient, stiffness);
     return patient;
 }
 

@@ -14,6 +14,6 @@ namespace eti::app {
 /// The patient for these parameters, from the cache, or built (some seconds) and then cached. If the same
 /// patient is cached with other spacings, only particles are built; with another stiffness, nothing. A cache
 /// that cannot be read or written is reported and bypassed; it never stops the server.
-[[nodiscard]] anatomy::Patient cached_patient(const NewbornShape& shape, anatomy::BuildSettings settings);
+[[nodiscard]] patient::Patient cached_patient(const NewbornShape& shape, patient::BuildSettings settings);
 
 }  // namespace eti::app

@@ -495,7 +495,7 @@ class Session {
     Scenario scenario_;
     scene::Inputs inputs_;
     bool live_;  // real-time session with the bus
-    anatomy::Patient patient_;
+    patient::Patient patient_;
     std::unique_ptr<Simulation> simulation_;
     std::optional<OperatorScript> script_;
     std::optional<LocalOperator> operator_;

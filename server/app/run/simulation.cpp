@@ -22,18 +22,19 @@ constexpr std::uint64_t steps_per_view_check =
     steps_per_second / static_cast<std::uint64_t>(threshold::look_rate.value);
 
 /// Physiology of the newborn if vital signs are simulated. A built model provides its weight only.
-std::optional<metrics::Physiology> physiology_of(const Scenario& scenario, const anatomy::Patient& patient) {
+std::optional<physiology::Physiology> physiology_of(const Scenario& scenario,
+                                                    const patient::Patient& patient) {
     if (!scenario.vital_signs) {
         return std::nullopt;
     }
     const float weeks = scenario.patient.model.empty() ? scenario.patient.shape.gestational_age
                                                        : median_gestational_age(patient.weight);
-    return metrics::physiology(static_cast<double>(patient.weight), static_cast<double>(weeks),
-                               static_cast<double>(scenario.inspired_oxygen));
+    return physiology::newborn_physiology(static_cast<double>(patient.weight), static_cast<double>(weeks),
+                                          static_cast<double>(scenario.inspired_oxygen));
 }
 
 /// Throws for substeps that are too long for a tongue of tetrahedra.
-scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient& patient) {
+scene::Settings scene_settings(const Scenario& scenario, const patient::Patient& patient) {
     const int substeps = scenario.physics.substeps;
     const PatientLimits limits = limits_of(scenario, patient);
     if (const float wanted = patient.tissue_stiffness; wanted > limits.max_stable_modulus) {
@@ -62,25 +63,25 @@ scene::Settings scene_settings(const Scenario& scenario, const anatomy::Patient&
 
 }  // namespace
 
-PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient) {
+PatientLimits limits_of(const Scenario& scenario, const patient::Patient& patient) {
     PatientLimits limits;
     limits.saliva = scenario.saliva;
     // A model file's own sizes count as 1.
     const NewbornShape built = scenario.patient.model.empty() ? scenario.patient.shape : NewbornShape();
     limits.head_scale = built.head_scale;
     limits.tongue_scale = built.tongue_scale;
-    const anatomy::ParticleSet& set = patient.particles;
+    const patient::ParticleSet& set = patient.particles;
     const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
     if (scenario.physics.tissue_method == TissueMethod::tetrahedra && tongue != set.tissue.end()) {
         const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
         limits.limiting_element = fmt::format("tetrahedra of {:.3g} mm", 1e3f * spacing);
         limits.max_stable_modulus = pbd::Tetrahedra::max_stable_modulus(
-            spacing, anatomy::tissue_density, step_duration / static_cast<float>(scenario.physics.substeps));
+            spacing, patient::tissue_density, step_duration / static_cast<float>(scenario.physics.substeps));
     }
     return limits;
 }
 
-scene::Inputs parked_inputs(const Scenario& scenario, const anatomy::Patient& patient) {
+scene::Inputs parked_inputs(const Scenario& scenario, const patient::Patient& patient) {
     scene::Inputs inputs;
     inputs.laryngoscope = parked_pose(Tool::laryngoscope);
     inputs.tube_grip = parked_pose(Tool::tube);
@@ -89,19 +90,19 @@ scene::Inputs parked_inputs(const Scenario& scenario, const anatomy::Patient& pa
     return inputs;
 }
 
-anatomy::Patient patient_of(const Scenario& scenario) {
+patient::Patient patient_of(const Scenario& scenario) {
     if (!scenario.patient.model.empty()) {
         try {
-            return anatomy::load_patient(scenario.patient.model);
+            return patient::load_patient(scenario.patient.model);
         } catch (const hdf5::Error& error) {
             throw InputError(
                 fmt::format("scenario '{}', key 'patient.model': {}", scenario.name, error.what()));
         }
     }
-    return cached_patient(scenario.patient.shape, anatomy::settings_of(scenario));
+    return cached_patient(scenario.patient.shape, patient::settings_of(scenario));
 }
 
-Assessor::Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario)
+Assessor::Assessor(const patient::Patient& patient, const Laryngoscope& scope, const Scenario& scenario)
     : manikin_(scenario.manikin), viewer_(patient, scope, {.tube_radius = scenario.tube.outer_radius()}) {
     metrics_.begin(patient, scope, static_cast<double>(scenario.time_limit), physiology_of(scenario, patient),
                    manikin_ ? metrics::PatientKind::manikin : metrics::PatientKind::newborn);
@@ -116,7 +117,7 @@ void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3
     metrics_.observe(snapshot, view_);
 }
 
-Simulation::Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start)
+Simulation::Simulation(const Scenario& scenario, const patient::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
       scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
       assessor_(patient, scope_, scenario),

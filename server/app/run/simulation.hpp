@@ -16,10 +16,10 @@
 namespace eti::app {
 
 /// Initial inputs: tools parked clear of the face, runtime parameters as in the scenario.
-[[nodiscard]] scene::Inputs parked_inputs(const Scenario& scenario, const anatomy::Patient& patient);
+[[nodiscard]] scene::Inputs parked_inputs(const Scenario& scenario, const patient::Patient& patient);
 
 /// The scenario's patient, from the cache or built (some seconds).
-[[nodiscard]] anatomy::Patient patient_of(const Scenario& scenario);
+[[nodiscard]] patient::Patient patient_of(const Scenario& scenario);
 
 /// Limits of runtime parameters for a session's patient.
 struct PatientLimits {
@@ -37,12 +37,12 @@ struct PatientLimits {
     }
 };
 
-[[nodiscard]] PatientLimits limits_of(const Scenario& scenario, const anatomy::Patient& patient);
+[[nodiscard]] PatientLimits limits_of(const Scenario& scenario, const patient::Patient& patient);
 
 /// Evaluates the view and computes metrics from a session's snapshots, in order.
 class Assessor {
   public:
-    Assessor(const anatomy::Patient& patient, const Laryngoscope& scope, const Scenario& scenario);
+    Assessor(const patient::Patient& patient, const Laryngoscope& scope, const Scenario& scenario);
 
     /// Processes the next step. The view is evaluated at 30 Hz from `eye` [m], by default from the best
     /// position.
@@ -69,7 +69,7 @@ class Assessor {
 class Simulation {
   public:
     /// `patient` must outlive it. Throws InputError if the solver's settings are unstable for its tissue.
-    Simulation(const Scenario& scenario, const anatomy::Patient& patient, const scene::Inputs& start);
+    Simulation(const Scenario& scenario, const patient::Patient& patient, const scene::Inputs& start);
 
     /// Advances by one step and assesses it from `eye`; see Assessor.
     void step(const scene::Inputs& inputs, const std::optional<Vec3f>& eye);

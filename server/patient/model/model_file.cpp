@@ -11,7 +11,7 @@
 #include "common/process/files/atomic_file_writer.hpp"
 #include "common/process/files/file_kind.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -318,4 +318,4 @@ Provenance load_provenance(const std::filesystem::path& path) {
     return provenance;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -8,7 +8,7 @@
 
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Origin of a model: generator, version, and every parameter that it depends on.
 using Provenance = std::map<std::string, std::string>;
@@ -24,4 +24,4 @@ void save_patient(const Patient& patient, const std::filesystem::path& path, con
 /// Reads the provenance only, which is fast. Throws hdf5::Error.
 [[nodiscard]] Provenance load_provenance(const std::filesystem::path& path);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

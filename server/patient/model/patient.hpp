@@ -15,7 +15,7 @@
 #include "common/model/surface.hpp"
 #include "common/model/tissue.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Rigid bodies of the skeleton. They are the model's first frames, in this order; clusters follow.
 enum class Bone : std::uint8_t { trunk, skull, mandible };
@@ -127,4 +127,4 @@ struct Patient {
     return patient.landmarks[static_cast<std::size_t>(which)].rest;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

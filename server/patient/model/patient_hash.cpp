@@ -6,7 +6,7 @@
 
 #include "common/math/hash.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -68,4 +68,4 @@ std::uint64_t hash_of(const Patient& patient) {
     return hash.value();
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 Vec3f gravity(float table_angle) {
     constexpr float strength = 9.81f;
@@ -68,4 +68,4 @@ std::vector<FramePose> posed_frames(const Patient& patient, const BonePoses& bon
     return frames;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

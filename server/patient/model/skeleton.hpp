@@ -8,7 +8,7 @@
 #include "common/model/posture_range.hpp"
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// [m/s^2], patient frame. On a level table the patient lies supine: +y is posterior.
 [[nodiscard]] Vec3f gravity(float table_angle);
@@ -41,4 +41,4 @@ using BonePoses = std::array<RigidTransform, bone_count>;
 /// Frames in a posture without load on the tissue, with the cranium as built.
 [[nodiscard]] std::vector<FramePose> posed_frames(const Patient& patient, const BonePoses& bones);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -62,4 +62,4 @@ void set_tissue_stiffness(Patient& patient, float soft) {
     fill(patient.links.stiffness, patient.links.ends.size(), link_stiffness);
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -6,7 +6,7 @@
 
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 // Stiffness of a model's parts for Young's modulus `soft` [Pa] of tongue and mucosa. It depends on tissue and
 // position only, so that stiffness changes without rebuilding the model.
@@ -24,4 +24,4 @@ namespace eti::anatomy {
 /// Sets the modulus of tongue and mucosa to `soft` [Pa], and updates all parts accordingly.
 void set_tissue_stiffness(Patient& patient, float soft);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

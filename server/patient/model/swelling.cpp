@@ -11,7 +11,7 @@
 #include "server/patient/model/stiffness.hpp"
 #include "server/patient/model/tetrahedra_of.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -153,4 +153,4 @@ std::vector<Vec3f> tongue_swelling(const Patient& patient) {
     return displacement;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

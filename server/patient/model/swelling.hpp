@@ -6,7 +6,7 @@
 
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Limits of the tongue's length relative to the built one, beyond which tetrahedra near the attachments
 /// collapse.
@@ -18,4 +18,4 @@ inline constexpr float min_growth = 0.55f, max_growth = 1.5f;
 /// the floor of the mouth. Independent of the modulus. Takes a tenth of a second.
 [[nodiscard]] std::vector<Vec3f> tongue_swelling(const Patient& patient);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

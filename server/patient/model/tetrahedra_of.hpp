@@ -8,7 +8,7 @@
 
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Indices of the patient's tetrahedra whose corners are all particles of one tissue; the solver's meshes
 /// consist of such.
@@ -23,4 +23,4 @@ namespace eti::anatomy {
     return those;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

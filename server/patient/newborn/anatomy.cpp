@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 VisibleFields Anatomy::visible_fields(const Vec3f& point) const {
     const Fields f = fields(point);
@@ -70,4 +70,4 @@ std::vector<Vec3f> Anatomy::glottis_contour() const {
     return contour;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -10,7 +10,7 @@
 #include "common/model/tissue.hpp"
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Implicit fields of a patient at one point [m], negative inside.
 struct Fields {
@@ -94,4 +94,4 @@ class Anatomy {
     [[nodiscard]] std::vector<Vec3f> glottis_contour() const;
 };
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

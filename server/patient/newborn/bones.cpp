@@ -9,7 +9,7 @@
 #include "server/patient/newborn/mouth.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 float skull_field(const Vec3f& point, float cranium_size) {
     const Vec3f p = to_standard_cranium(point, cranium_size);
@@ -95,4 +95,4 @@ float hyoid_field(const Vec3f& p) {
         chain(q, {{6.5f, 14.5f, -33.0f}, {10.5f, 9.5f, -31.5f}, {12.0f, 3.5f, -30.0f}}, 1.1f, 0.9f), 1.0f);
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

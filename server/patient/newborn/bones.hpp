@@ -6,7 +6,7 @@
 
 // Bones in the newborn's model coordinates: x left, y anterior, z superior; millimetres of the 3.5 kg term
 // newborn.
-namespace eti::anatomy {
+namespace eti::patient {
 
 [[nodiscard]] float skull_field(const Vec3f& point, float cranium_size);
 /// `in_jaw`: in the coordinates of the closed jaw.
@@ -14,4 +14,4 @@ namespace eti::anatomy {
 [[nodiscard]] float spine_field(const Vec3f& p);
 [[nodiscard]] float hyoid_field(const Vec3f& p);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

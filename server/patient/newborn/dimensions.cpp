@@ -14,7 +14,7 @@
 #include "common/model/tools/tools.hpp"
 #include "server/patient/model/skeleton.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -275,4 +275,4 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
     return list;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

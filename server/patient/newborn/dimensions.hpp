@@ -7,7 +7,7 @@
 
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// A dimension of a model, with the published range for newborns.
 struct Dimension {
@@ -41,4 +41,4 @@ struct Alignment {
 /// trachea are most nearly collinear, with the mouth open by `jaw_opening` [rad].
 [[nodiscard]] Alignment align_axes(const Patient& patient, float jaw_opening);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

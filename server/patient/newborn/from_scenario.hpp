@@ -5,7 +5,7 @@
 #include "common/scenario/scenario.hpp"
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Build settings of a scenario's patient; shared by server and eti-anatomy.
 [[nodiscard]] inline BuildSettings settings_of(const Scenario& scenario) {
@@ -17,4 +17,4 @@ namespace eti::anatomy {
     return settings;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -6,7 +6,7 @@
 
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -66,4 +66,4 @@ float skin_field(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) {
                         14);
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -6,7 +6,7 @@
 
 // Outline of head and neck in the newborn's model coordinates: x left, y anterior, z superior; millimetres of
 // the 3.5 kg term newborn.
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Height and axis of the cranium's growth; face and airway do not follow it.
 constexpr float cranium_floor = 26.0f;
@@ -19,4 +19,4 @@ constexpr float cranium_axis_y = -18.0f;
 
 [[nodiscard]] float skin_field(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

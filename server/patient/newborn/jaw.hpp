@@ -9,7 +9,7 @@
 
 // Kinematics of the jaw in the newborn's model coordinates: x left, y anterior, z superior; millimetres of
 // the 3.5 kg term newborn.
-namespace eti::anatomy {
+namespace eti::patient {
 
 inline const Vec3f jaw_joint(0.0f, 2.0f, 13.0f);
 /// Jaw opening at which the model is sampled, so that the lips are apart; posture adds to it.
@@ -35,4 +35,4 @@ constexpr float jaw_slide_per_deg = 0.12f;
     return {p.x(), jaw_joint.y() + a * c + z * s, jaw_joint.z() - a * s + z * c};
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

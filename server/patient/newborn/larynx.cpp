@@ -8,7 +8,7 @@
 
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -114,4 +114,4 @@ LaryngealFields laryngeal_fields(const Vec3f& p, float solid) {
     return {lumen, wall, cricoid};
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

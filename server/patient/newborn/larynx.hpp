@@ -6,7 +6,7 @@
 
 // Larynx and trachea in the newborn's model coordinates: x left, y anterior, z superior; millimetres of the
 // 3.5 kg term newborn.
-namespace eti::anatomy {
+namespace eti::patient {
 
 // The glottis lies at z = -37.5, the carina 50 mm below it (vocal cord to carina 5.04 cm under three months,
 // Ann Otol Rhinol Laryngol 2001;110:268).
@@ -29,4 +29,4 @@ struct LaryngealFields {
 /// `solid`: laryngeal_solid() at the point.
 [[nodiscard]] LaryngealFields laryngeal_fields(const Vec3f& p, float solid);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

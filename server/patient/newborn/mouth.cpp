@@ -9,7 +9,7 @@
 #include "server/patient/newborn/larynx.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 Gums gum_fields(const Vec3f& p, const Vec3f& in_jaw) {
     return {
@@ -111,4 +111,4 @@ Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums, fl
     return {smooth_union(air, fields.lumen, 0.5f), fields.wall, fields.cricoid};
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -6,7 +6,7 @@
 
 // Mouth and throat in the newborn's model coordinates: x left, y anterior, z superior; millimetres of the
 // 3.5 kg term newborn. `in_jaw`: in the coordinates of the closed jaw.
-namespace eti::anatomy {
+namespace eti::patient {
 
 struct Gums {
     float upper, lower;
@@ -36,4 +36,4 @@ struct Cavities {
 [[nodiscard]] Cavities cavity_fields(const Vec3f& p, const Vec3f& in_jaw, const Gums& gums,
                                      float rest_jaw_deg, float mouth_width);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

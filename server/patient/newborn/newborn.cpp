@@ -10,7 +10,7 @@
 #include "server/patient/newborn/mouth.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -282,4 +282,4 @@ std::array<Vec3f, 2> Newborn::airway_bounds() const {
     return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -5,7 +5,7 @@
 #include "common/model/newborn_shape.hpp"
 #include "server/patient/newborn/anatomy.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// The parametric newborn: ellipsoids, capsules and elliptical ducts along mid-sagittal stations, joined by
 /// smooth minima, at rest (lips parted, neck neutral). Proportions follow docs/anatomy/README.md.
@@ -50,4 +50,4 @@ class Newborn final : public Anatomy {
     Vec3f larynx_shift_;  // [mm of a 3.5 kg newborn], x left, y anterior, z superior
 };
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

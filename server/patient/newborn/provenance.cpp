@@ -5,7 +5,7 @@
 #include "common/math/units.hpp"
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 Provenance provenance_of(const NewbornShape& shape, const BuildSettings& settings) {
     Provenance provenance = provenance_of(settings);
@@ -37,4 +37,4 @@ Provenance surface_provenance(Provenance provenance) {
     return provenance;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 float duct(const Vec3f& p, std::span<const Station> stations) {
     float best = 1e9f;
@@ -25,4 +25,4 @@ float duct(const Vec3f& p, std::span<const Station> stations) {
     return best;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

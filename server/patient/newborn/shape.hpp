@@ -12,7 +12,7 @@
 
 // Implicit shapes: negative inside, approximately the distance near the surface. Units are the caller's, used
 // consistently (the newborn model: millimetres).
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Union with a fillet of width k (polynomial smooth minimum, Quilez).
 [[nodiscard]] inline float smooth_union(float a, float b, float k) {
@@ -79,4 +79,4 @@ struct Station {
     return {std::fabs(p.x()), p.y(), p.z()};
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

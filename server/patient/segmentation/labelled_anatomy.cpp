@@ -15,8 +15,8 @@ namespace eti::segmentation {
 
 namespace {
 
-using anatomy::Fields;
 using imaging::Bits;
+using patient::Fields;
 
 // [m], grids for outline and bone, and for the airway; finer ones cost time and show nothing more of a
 // newborn.
@@ -25,11 +25,11 @@ constexpr double finest = 0.5e-3;
 // [m], largest mean distance between a newborn's surfaces and the labels for a registration to be accepted.
 constexpr double max_off = 4e-3;
 
-anatomy::Newborn newborn_of(const Registration& found) {
+patient::Newborn newborn_of(const Registration& found) {
     NewbornShape shape;
     shape.weight = found.weight;
     shape.gestational_age = median_gestational_age(found.weight);
-    return anatomy::Newborn(shape);
+    return patient::Newborn(shape);
 }
 
 Registration checked(const Registration& found) {

@@ -19,20 +19,20 @@ namespace eti::segmentation {
 /// What a CT does not show (gums, palatal mucosa, the border of larynx and epiglottis, the collapsed gullet,
 /// joints and bone weights) comes from the parametric newborn registered to the labels. The patient frame is
 /// the newborn's.
-class LabelledAnatomy final : public anatomy::Anatomy {
+class LabelledAnatomy final : public patient::Anatomy {
   public:
     /// `given` sets landmarks (common/model/landmark.hpp) manually, in the volume's frame. Throws
     /// NoLarynxError if the labels end above the larynx, VolumeError if they are not a newborn's head and
     /// neck, CancelledError.
     LabelledAnatomy(const imaging::Mask& labels, const Points& given, const Progress& progress);
 
-    [[nodiscard]] anatomy::Fields fields(const Vec3f& point) const override;
-    [[nodiscard]] anatomy::Skeleton skeleton() const override { return newborn_.skeleton(); }
-    [[nodiscard]] anatomy::BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override {
+    [[nodiscard]] patient::Fields fields(const Vec3f& point) const override;
+    [[nodiscard]] patient::Skeleton skeleton() const override { return newborn_.skeleton(); }
+    [[nodiscard]] patient::BoneWeights bone_weights(const Vec3f& point, Tissue tissue) const override {
         return newborn_.bone_weights(point, tissue);
     }
     [[nodiscard]] Vec3f head_growth(const Vec3f& point) const override { return newborn_.head_growth(point); }
-    [[nodiscard]] float shell_field(const Vec3f& point, const anatomy::Fields& fields) const override {
+    [[nodiscard]] float shell_field(const Vec3f& point, const patient::Fields& fields) const override {
         return newborn_.shell_field(point, fields);
     }
     [[nodiscard]] std::array<Vec3f, landmark_count> landmarks() const override { return landmarks_; }
@@ -52,7 +52,7 @@ class LabelledAnatomy final : public anatomy::Anatomy {
     void place_landmarks(const Points& given);
 
     Registration registration_;
-    anatomy::Newborn newborn_;
+    patient::Newborn newborn_;
     DistanceGrid skin_, airway_, skull_, mandible_;
     std::optional<DistanceGrid> tongue_, spine_, epiglottis_;
     std::array<Vec3f, landmark_count> landmarks_{};

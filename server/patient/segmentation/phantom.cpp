@@ -17,7 +17,7 @@ namespace eti::segmentation {
 
 namespace {
 
-using anatomy::Fields;
+using patient::Fields;
 
 Label label_of(const Fields& f) {
     if (f.skin > 0.0f) {
@@ -50,7 +50,7 @@ constexpr int cube = 4;
 constexpr float clear_of_borders = 2.0f * (0.5f * (cube - 1) * 1.7321f + 1.2f);
 
 /// The label of all voxels of a cube; empty where a border may cross it. Cubes are ordered like voxels.
-std::vector<std::optional<Label>> labels_of_cubes(const anatomy::Newborn& newborn,
+std::vector<std::optional<Label>> labels_of_cubes(const patient::Newborn& newborn,
                                                   const imaging::Geometry& geometry,
                                                   const std::array<int, 3>& cubes) {
     const float h = static_cast<float>(geometry.step(0, 0));
@@ -72,7 +72,7 @@ std::vector<std::optional<Label>> labels_of_cubes(const anatomy::Newborn& newbor
 }
 
 /// The majority label of a voxel and its mean radiodensity [HU].
-std::pair<Label, float> voxel_at(const anatomy::Newborn& newborn, const Vec3f& centre, float h) {
+std::pair<Label, float> voxel_at(const patient::Newborn& newborn, const Vec3f& centre, float h) {
     const Fields f = newborn.fields(centre);
     if (nearest_border(f) >= 1.2f * h) {
         return {label_of(f), hounsfield_of(label_of(f))};
@@ -112,7 +112,7 @@ float hounsfield_of(Label label) {
 }
 
 Phantom make_phantom(const PhantomSettings& settings, const Progress& progress) {
-    const anatomy::Newborn newborn(settings.newborn);
+    const patient::Newborn newborn(settings.newborn);
     const float h = settings.spacing;
     auto [low, high] = newborn.bounds();
     const Vec3f margin(4.0f * millimetre, 4.0f * millimetre, 4.0f * millimetre);

@@ -31,7 +31,7 @@ std::string stem_of_model(const std::filesystem::path& file) {
     return (file.parent_path() / file.stem()).string();
 }
 
-anatomy::BuildSettings settings_of(const BuildRequest& request, anatomy::BuildSettings settings) {
+patient::BuildSettings settings_of(const BuildRequest& request, patient::BuildSettings settings) {
     const auto take = [](const std::optional<float>& typed, float unit, float& to) {
         to = typed ? *typed * unit : to;
     };
@@ -53,7 +53,7 @@ anatomy::BuildSettings settings_of(const BuildRequest& request, anatomy::BuildSe
     return settings;
 }
 
-Result report(const anatomy::Patient& patient, const anatomy::Provenance& provenance,
+Result report(const patient::Patient& patient, const patient::Provenance& provenance,
               const std::filesystem::path& out) {
     Result result;
     result.text = fmt::format("{}: {:g} kg, {} particles, {} clusters, {} tetrahedra, {} surfaces\n",
@@ -83,14 +83,14 @@ Result build_newborn(const BuildRequest& request, const ShapeOptions& options) {
     } else {
         scenario.patient.shape = options.shape();
     }
-    const anatomy::BuildSettings settings = settings_of(request, anatomy::settings_of(scenario));
+    const patient::BuildSettings settings = settings_of(request, patient::settings_of(scenario));
     (void)progress(0.0f, "building the model");
-    const anatomy::Patient patient = anatomy::build_patient(scenario.patient.shape, settings);
+    const patient::Patient patient = patient::build_patient(scenario.patient.shape, settings);
     if (!progress(0.95f, "writing")) {
         throw CancelledError();
     }
-    const anatomy::Provenance provenance = anatomy::provenance_of(scenario.patient.shape, settings);
-    anatomy::save_patient(patient, request.out, provenance);
+    const patient::Provenance provenance = patient::provenance_of(scenario.patient.shape, settings);
+    patient::save_patient(patient, request.out, provenance);
     return report(patient, provenance, request.out);
 }
 
@@ -126,7 +126,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     const imaging::Mask labels =
         meshes ? voxelise(request.in, mesh_voxels, progress) : read_labels(request.in.front());
     const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
-    const anatomy::BuildSettings settings = settings_of(request, {});
+    const patient::BuildSettings settings = settings_of(request, {});
     (void)progress(0.1f, "laying a newborn over the labels");
     std::optional<LabelledAnatomy> anatomy;
     try {
@@ -140,8 +140,8 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
         remark(text);
     }
     (void)progress(0.7f, "building the model");
-    const anatomy::Patient patient = anatomy::build_patient(*anatomy, settings);
-    for (const anatomy::Invariant& i : anatomy::check_model(patient)) {
+    const patient::Patient patient = patient::build_patient(*anatomy, settings);
+    for (const patient::Invariant& i : patient::check_model(patient)) {
         if (!i.holds) {
             throw std::runtime_error(
                 fmt::format("{}: the labels make no sound model: {}: {}; nothing was written. Remedy: mend "
@@ -152,7 +152,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     if (!progress(0.95f, "writing")) {
         throw CancelledError();
     }
-    anatomy::Provenance provenance = anatomy::provenance_of(settings);
+    patient::Provenance provenance = patient::provenance_of(settings);
     provenance["generator"] = meshes ? "surfaces" : "labels";
     for (const std::filesystem::path& file : request.in) {
         std::string& names = provenance["input"];
@@ -166,7 +166,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     }
     provenance["weight_kg"] = fmt::format("{}", patient.weight);
     provenance["registration_off_mm"] = fmt::format("{:.3f}", 1e3 * anatomy->registration().off);
-    anatomy::save_patient(patient, request.out, provenance);
+    patient::save_patient(patient, request.out, provenance);
     Result result = report(patient, provenance, request.out);
     result.text += fmt::format("a newborn lies {:.2f} mm off the labels on average\n",
                                1e3 * anatomy->registration().off);

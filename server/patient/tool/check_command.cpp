@@ -17,7 +17,7 @@ namespace eti::tool {
 namespace {
 
 /// Gestational age of a model, or the default if it does not state one.
-float age_of(const anatomy::Provenance& provenance, float weight) {
+float age_of(const patient::Provenance& provenance, float weight) {
     const auto said = provenance.find("gestational_age_weeks");
     const float age = said == provenance.end() ? 0.0f : std::strtof(said->second.c_str(), nullptr);
     return age > 0.0f ? age : median_gestational_age(weight);
@@ -29,15 +29,15 @@ double degrees(float angle) {
 
 Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
     (void)progress(0.0f, "reading " + file.string());
-    const anatomy::Patient patient = anatomy::load_patient(file);
-    const anatomy::Provenance provenance = anatomy::load_provenance(file);
+    const patient::Patient patient = patient::load_patient(file);
+    const patient::Provenance provenance = patient::load_provenance(file);
     Result result;
     result.json["model"] = file.string();
     result.json["provenance"] = provenance;
 
     (void)progress(0.1f, "checking");
     std::size_t faults = 0;
-    for (const anatomy::Invariant& i : anatomy::check_model(patient)) {
+    for (const patient::Invariant& i : patient::check_model(patient)) {
         faults += i.holds ? 0 : 1;
         result.text += fmt::format("{:<5} {:<62} {}\n", i.holds ? "ok" : "FAULT", i.name, i.found);
         result.json["invariants"].push_back({{"name", i.name}, {"holds", i.holds}, {"found", i.found}});
@@ -47,7 +47,7 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
     }
 
     result.text += fmt::format("\n{:<42} {:>8}  {:>15}  {}\n", "dimension", "model", "published", "source");
-    for (const anatomy::Dimension& d : anatomy::measure(patient, age_of(provenance, patient.weight))) {
+    for (const patient::Dimension& d : patient::measure(patient, age_of(provenance, patient.weight))) {
         result.text += fmt::format("{:<42} {:>8.2f}  {:>6.1f} - {:<6.1f} {:<5}{}{}\n", d.name, d.value, d.low,
                                    d.high, d.unit, d.within() ? "" : "OUTSIDE ", d.source);
         result.json["dimensions"].push_back({{"name", d.name},
@@ -58,14 +58,14 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
                                              {"source", d.source}});
     }
 
-    const anatomy::Alignment axes = anatomy::align_axes(patient, jaw_opening_deg * degree);
+    const patient::Alignment axes = patient::align_axes(patient, jaw_opening_deg * degree);
     const bool at_the_end = axes.head_elevation >= max_head_elevation - 1e-4f;
     result.text += fmt::format(
         "\nmouth, pharynx and larynx come closest to one line at {:.1f} deg of head elevation{}, {:.1f} mm "
         "off "
         "it (the patient of Xiao et al. 2020: 26 deg)\n",
         degrees(axes.head_elevation), at_the_end ? " (where the range ends)" : "", 1e3f * axes.off_line);
-    const auto line = [&](const char* when, const anatomy::AxisAngles& a) {
+    const auto line = [&](const char* when, const patient::AxisAngles& a) {
         result.text += fmt::format(
             "{}: mouth to pharynx {:.0f} deg, pharynx to larynx {:.0f} deg, sight to larynx {:.0f} deg\n",
             when, degrees(a.mouth_pharynx), degrees(a.pharynx_larynx), degrees(a.sight_larynx));
@@ -73,7 +73,7 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
     line("head not raised", axes.angles_at_rest);
     line("head raised so", axes.angles);
     result.text += "(adults, Adnet 2001, Anesthesiology 94:83: 87 -> 63, 7 -> 13)\n";
-    const auto json_of = [&](const anatomy::AxisAngles& a) {
+    const auto json_of = [&](const patient::AxisAngles& a) {
         return nlohmann::ordered_json{{"mouth_pharynx_deg", degrees(a.mouth_pharynx)},
                                       {"pharynx_larynx_deg", degrees(a.pharynx_larynx)},
                                       {"sight_larynx_deg", degrees(a.sight_larynx)}};

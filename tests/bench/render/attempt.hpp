@@ -36,7 +36,7 @@ struct KeyMoment {
 struct Attempt {
     Scenario scenario;
     OperatorScript script;
-    anatomy::Patient patient;
+    patient::Patient patient;
     Laryngoscope scope;
     RuntimeParameters start;  ///< runtime parameters as the session begins
     std::array<std::optional<KeyMoment>, moment_names.size()> moments;

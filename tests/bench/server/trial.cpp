@@ -17,7 +17,7 @@ constexpr double longest_trial = 120.0;  // [s] of simulation time
 
 TrialResult perform(const Scenario& scenario, const OperatorScript& script, std::uint64_t seed) {
     using Clock = std::chrono::steady_clock;
-    const anatomy::Patient patient = app::patient_of(scenario);
+    const patient::Patient patient = app::patient_of(scenario);
     scene::Inputs inputs = app::parked_inputs(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     app::LocalOperator hands(script, simulation.scope(), scenario.tube, seed, simulation.observation());

@@ -31,7 +31,7 @@ class PictureAgainstRays : public ::testing::Test {
   protected:
     struct Session {
         Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
-        anatomy::Patient patient = app::patient_of(scenario);
+        patient::Patient patient = app::patient_of(scenario);
         scene::Snapshot snapshot;
         view::SceneView scene;
         metrics::GlotticViewer viewer{patient,

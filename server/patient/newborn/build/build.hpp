@@ -7,7 +7,7 @@
 #include "server/patient/model/patient.hpp"
 #include "server/patient/newborn/anatomy.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Resolution of particles and surfaces. Lengths are for a 3.5 kg newborn and scale with the patient, so that
 /// a premature airway keeps its particle count.
@@ -58,4 +58,4 @@ void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Pati
     return tissue == Tissue::tongue ? 1 : tissue == Tissue::epiglottis ? 2 : 0;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

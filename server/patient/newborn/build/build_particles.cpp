@@ -10,7 +10,7 @@
 #include "common/mesh/point_grid.hpp"
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -278,4 +278,4 @@ void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient&
     }
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -11,7 +11,7 @@
 #include "server/patient/newborn/build/skinner.hpp"
 #include "server/patient/newborn/build/smooth_skin_weights.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -187,4 +187,4 @@ void build_landmarks(const Anatomy& anatomy, const BuildSettings& settings, Pati
     }
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -11,7 +11,7 @@
 #include "server/patient/newborn/build/sample.hpp"
 #include "server/patient/newborn/newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -74,4 +74,4 @@ Patient build_patient(const NewbornShape& shape, const BuildSettings& settings,
     return build_patient(Newborn(shape), settings, surface_source);
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -7,7 +7,7 @@
 
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -94,4 +94,4 @@ void build_tetrahedra(const Anatomy& anatomy, Patient& patient) {
     }
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

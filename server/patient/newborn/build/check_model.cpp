@@ -16,7 +16,7 @@
 #include "server/patient/mesh/components.hpp"
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -512,4 +512,4 @@ std::vector<Invariant> check_model(const Patient& patient) {
     return found;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

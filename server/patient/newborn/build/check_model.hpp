@@ -8,7 +8,7 @@
 
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// A condition that every model must satisfy.
 struct Invariant {
@@ -23,4 +23,4 @@ struct Invariant {
 /// mouth has no leak through it, and the way from mouth to carina is open. Takes some seconds.
 [[nodiscard]] std::vector<Invariant> check_model(const Patient& patient);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -13,7 +13,7 @@
 #include "server/patient/newborn/build/sample.hpp"
 #include "server/patient/newborn/build/sizing_field.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -153,4 +153,4 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     });
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

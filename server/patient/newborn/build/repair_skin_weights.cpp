@@ -12,7 +12,7 @@
 #include "server/patient/mesh/adjacency.hpp"
 #include "server/patient/model/skeleton.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -192,4 +192,4 @@ void repair_skin_weights(const Patient& patient, const TriangleMesh& mesh, std::
     SkinWeightRepair(patient, mesh, carried).run();
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

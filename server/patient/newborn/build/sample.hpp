@@ -8,7 +8,7 @@
 #include "server/parallel/loops.hpp"
 #include "server/patient/newborn/anatomy.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// A grid over a box, with values unset.
 [[nodiscard]] inline DistanceGrid grid_over(const Vec3f& low, const Vec3f& high, float spacing) {
@@ -36,4 +36,4 @@ void sample(const Anatomy& anatomy, const DistanceGrid& grid, const Store& store
     });
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

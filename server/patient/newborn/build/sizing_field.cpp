@@ -6,7 +6,7 @@
 
 #include "common/math/units.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -92,4 +92,4 @@ float SizingField::cloth_edge(const Vec3f& point) const {
         {shortest_hem * unit + growth * to_hem, shortest_end * unit + growth * to_end, coarsest_});
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -6,7 +6,7 @@
 
 #include "server/patient/newborn/anatomy.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Local edge length of drawn surfaces: finest at larynx and epiglottis, coarse at trunk and scalp.
 class SizingField {
@@ -36,4 +36,4 @@ class SizingField {
     Vec3f hem_, down_;
 };
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

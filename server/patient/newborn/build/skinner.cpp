@@ -8,7 +8,7 @@
 #include "common/math/units.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -220,4 +220,4 @@ Shares Skinner::operator()(const Vec3f& point, Tissue tissue, const Vec3f& norma
     return shares;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

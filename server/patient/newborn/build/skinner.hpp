@@ -11,7 +11,7 @@
 #include "server/patient/newborn/anatomy.hpp"
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Skinning weight of one frame.
 struct Share {
@@ -62,4 +62,4 @@ class Skinner {
     std::vector<float> cluster_reach_;          // [m]
 };
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

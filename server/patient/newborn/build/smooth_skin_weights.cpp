@@ -18,7 +18,7 @@
 #include "server/patient/model/skeleton.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -384,4 +384,4 @@ void smooth_skin_weights(const Anatomy& anatomy, const Patient& patient, const T
     SkinWeightSmoother(anatomy, patient, mesh, carried).level();
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

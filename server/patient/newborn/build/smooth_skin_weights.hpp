@@ -7,7 +7,7 @@
 #include "common/mesh/triangle_mesh.hpp"
 #include "server/patient/newborn/build/skinner.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Where a blade lifts tongue and epiglottis off tissue bound to bone, neighbours separate whose weights
 /// differ: beside the plate, in the valleculae and under it. There the weights of all frames are smoothed
@@ -16,4 +16,4 @@ namespace eti::anatomy {
 void smooth_skin_weights(const Anatomy& anatomy, const Patient& patient, const TriangleMesh& mesh,
                          std::span<Shares> carried);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -7,7 +7,7 @@
 #include "server/patient/newborn/visible/visible_larynx.hpp"
 #include "server/patient/newborn/visible/visible_mouth.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 VisibleFields Newborn::visible_fields(const Vec3f& point) const {
     const Vec3f p = usual_place(to_model(point));
@@ -64,4 +64,4 @@ std::array<Vec3f, 2> Newborn::visible_bounds() const {
     return {low.cwiseMin(a), high.cwiseMax(b)};
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -7,7 +7,7 @@
 #include "server/patient/newborn/head.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -135,4 +135,4 @@ bool on_lip(const Vec3f& half, float mouth_width) {
     return above < 4.3f * taper * bow && above > -4.6f * taper;
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -6,7 +6,7 @@
 
 // Drawn face, head and trunk in the newborn's model coordinates: x left, y anterior, z superior; millimetres
 // of the 3.5 kg term newborn.
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Outline of head, neck and trunk. `in_jaw`: the point in the coordinates of the closed jaw.
 [[nodiscard]] float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
@@ -21,4 +21,4 @@ namespace eti::anatomy {
 /// Lower end of the cloth.
 constexpr float trunk_end = -142.0f;
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -10,7 +10,7 @@
 #include "server/patient/newborn/larynx.hpp"
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -165,4 +165,4 @@ float plate_coupling(const Vec3f& p, float plate, float solid) {
     return near * above * (1.0f - smoothstep(0.4f, 1.2f, solid));
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

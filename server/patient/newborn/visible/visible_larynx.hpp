@@ -6,7 +6,7 @@
 
 // Drawn larynx, epiglottis and trachea in the newborn's model coordinates: x left, y anterior, z superior;
 // millimetres of the 3.5 kg term newborn. Positions agree with larynx.hpp.
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// The omega-shaped plate with its tubercle.
 [[nodiscard]] float visible_epiglottis(const Vec3f& p);
@@ -26,4 +26,4 @@ namespace eti::anatomy {
 /// visible_laryngeal_solid() at the point.
 [[nodiscard]] float plate_coupling(const Vec3f& p, float plate, float solid);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -8,7 +8,7 @@
 
 #include "server/patient/newborn/shape.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 
 namespace {
 
@@ -72,4 +72,4 @@ float visible_tongue(const Vec3f& in_tongue, float scale) {
     return std::max(tongue + sulcus, -sublingual_space(in_tongue));
 }
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

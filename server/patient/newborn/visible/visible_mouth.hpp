@@ -6,7 +6,7 @@
 
 // Drawn mouth in the newborn's model coordinates: x left, y anterior, z superior; millimetres of the 3.5 kg
 // term newborn. For particles and shell see mouth.hpp.
-namespace eti::anatomy {
+namespace eti::patient {
 
 /// Alveolar ridges with their segments.
 [[nodiscard]] Gums visible_gums(const Vec3f& p, const Vec3f& in_jaw);
@@ -17,4 +17,4 @@ namespace eti::anatomy {
 /// The tongue with its sulcus and frenulum. `in_tongue`: in the coordinates of a standard closed jaw.
 [[nodiscard]] float visible_tongue(const Vec3f& in_tongue, float scale);
 
-}  // namespace eti::anatomy
+}  // namespace eti::patient

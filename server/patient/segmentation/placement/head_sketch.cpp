@@ -217,7 +217,7 @@ Vec3d mean_of(const std::vector<Vec3d>& points) {
 Atlas make_atlas(float head_scale) {
     NewbornShape shape;
     shape.head_scale = head_scale;
-    const anatomy::Newborn newborn(shape);
+    const patient::Newborn newborn(shape);
     constexpr double spacing = 3e-3;
     constexpr int margin = 10;  // voxels of margin, so that there are distances outside, too
     const auto [low, high] = newborn.bounds();
@@ -248,7 +248,7 @@ Atlas make_atlas(float head_scale) {
                     z >= g.size[2] - margin) {
                     continue;
                 }
-                const anatomy::Fields f = newborn.fields(g.point(x, y, z).cast<float>());
+                const patient::Fields f = newborn.fields(g.point(x, y, z).cast<float>());
                 outside[i] = f.skin > 0.0f ? 1 : 0;
                 body[i] = 1 - outside[i];
                 const bool air = std::max({f.cavity, -f.tongue, -f.epiglottis}) < 0.0f;

@@ -34,7 +34,7 @@ struct Part {
 
 /// Points on the newborn's surface where `field` is zero.
 template <class Field>
-std::vector<Vec3f> surface_points(const anatomy::Newborn& newborn, const Vec3f& low, const Vec3f& high,
+std::vector<Vec3f> surface_points(const patient::Newborn& newborn, const Vec3f& low, const Vec3f& high,
                                   const Field& field) {
     DistanceGrid grid;
     grid.origin = low;
@@ -146,7 +146,7 @@ Registration register_newborn(const imaging::Mask& given) {
     const imaging::Geometry& g = labels.geometry;
     NewbornShape shape;
     shape.weight = reference_weight;
-    const anatomy::Newborn newborn(shape);
+    const patient::Newborn newborn(shape);
     const auto [low, high] = newborn.airway_bounds();
     const Vec3f wide_low(low.x() - 15e-3f, low.y(), low.z());
     const Vec3f wide_high(high.x() + 15e-3f, high.y() + 15e-3f, high.z() + 12e-3f);
@@ -159,12 +159,12 @@ Registration register_newborn(const imaging::Mask& given) {
         all[k] = {surface_points(newborn, wide_low, wide_high, field), distance_of(g, member)};
         return true;
     };
-    const bool air = add(0, {Label::airway}, [](const anatomy::Fields& f) {
+    const bool air = add(0, {Label::airway}, [](const patient::Fields& f) {
         return std::max({f.cavity, -f.tongue, -f.epiglottis});
     });
-    const bool jaw = add(1, {Label::mandible}, [](const anatomy::Fields& f) { return f.mandible; });
-    add(2, {Label::tongue}, [](const anatomy::Fields& f) { return f.tongue; });
-    add(3, {Label::spine}, [](const anatomy::Fields& f) { return f.spine; });
+    const bool jaw = add(1, {Label::mandible}, [](const patient::Fields& f) { return f.mandible; });
+    add(2, {Label::tongue}, [](const patient::Fields& f) { return f.tongue; });
+    add(3, {Label::spine}, [](const patient::Fields& f) { return f.spine; });
     if (!air || !jaw) {
         throw NoLarynxError(
             fmt::format("the labels show no {}; without it the larynx cannot be placed, and none is "

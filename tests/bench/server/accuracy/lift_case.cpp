@@ -20,7 +20,7 @@ constexpr int finest = 32;  // substeps
 
 struct LiftSetup {
     Scenario scenario;
-    anatomy::Patient patient;
+    patient::Patient patient;
     std::vector<scene::Inputs> way;
     LiftSettings choice;
 

@@ -32,7 +32,7 @@ constexpr double for_ever = 360.0;
 
 }  // namespace
 
-LiftReference::LiftReference(const Scenario& scenario, const anatomy::Patient& patient,
+LiftReference::LiftReference(const Scenario& scenario, const patient::Patient& patient,
                              const Surroundings& surroundings, const LiftSettings& choice)
     : surroundings_(surroundings), choice_(choice) {
     make_problem(scenario, patient);
@@ -150,7 +150,7 @@ void LiftReference::come_to_rest() {
     throw std::runtime_error("the reference of the lifted tongue did not come to rest");
 }
 
-void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patient& patient) {
+void LiftReference::make_problem(const Scenario& scenario, const patient::Patient& patient) {
     number_.assign(surroundings_.rest.size(), none);
     const auto vertex_of = [&](std::uint32_t i) {
         if (number_[i] == none) {
@@ -158,12 +158,12 @@ void LiftReference::make_problem(const Scenario& scenario, const anatomy::Patien
             particle_.push_back(i);
             problem_.body.rest.push_back(surroundings_.rest[i].cast<double>());
             problem_.radius.push_back(static_cast<double>(patient.particles.radius[i]));
-            problem_.drag.push_back(choice_.drag * static_cast<double>(anatomy::tissue_damping) *
+            problem_.drag.push_back(choice_.drag * static_cast<double>(patient::tissue_damping) *
                                     static_cast<double>(patient.particles.mass[i]));
         }
         return number_[i];
     };
-    for (const std::uint32_t t : anatomy::tetrahedra_of(Tissue::tongue, patient)) {
+    for (const std::uint32_t t : patient::tetrahedra_of(Tissue::tongue, patient)) {
         auto& ends = problem_.body.tetrahedra.emplace_back();
         std::ranges::transform(patient.tetrahedra.corners[t], ends.begin(), vertex_of);
     }

@@ -28,7 +28,7 @@ struct LiftSettings {
 /// clusters or bones follow the surroundings.
 class LiftReference {
   public:
-    LiftReference(const Scenario& scenario, const anatomy::Patient& patient, const Surroundings& surroundings,
+    LiftReference(const Scenario& scenario, const patient::Patient& patient, const Surroundings& surroundings,
                   const LiftSettings& choice);
 
     LiftState lift;  ///< at the end
@@ -46,7 +46,7 @@ class LiftReference {
     int iterations = 0;
 
   private:
-    void make_problem(const Scenario& scenario, const anatomy::Patient& patient);
+    void make_problem(const Scenario& scenario, const patient::Patient& patient);
     /// The blade's pose at a time in steps, and the positions of held vertices.
     [[nodiscard]] Eigen::Isometry3d blade_at(double step) const;
     [[nodiscard]] std::vector<double> held_at(double step) const;

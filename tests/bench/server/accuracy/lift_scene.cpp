@@ -24,10 +24,10 @@ constexpr int looking = 6;             // steps from one view measurement to the
 
 /// Particles of the tongue that finite elements may move: mobile ones of its mesh that no active cluster
 /// joins to particles outside the mesh.
-std::vector<bool> free_of(const scene::Scene& scene, const anatomy::Patient& patient) {
+std::vector<bool> free_of(const scene::Scene& scene, const patient::Patient& patient) {
     const pbd::Particles& p = scene.tissue().body().particles;
     std::vector<bool> meshed(p.size(), false);
-    for (const std::uint32_t t : anatomy::tetrahedra_of(Tissue::tongue, patient)) {
+    for (const std::uint32_t t : patient::tetrahedra_of(Tissue::tongue, patient)) {
         for (const std::uint32_t i : patient.tetrahedra.corners[t]) {
             meshed[i] = true;
         }
@@ -49,14 +49,14 @@ std::vector<bool> free_of(const scene::Scene& scene, const anatomy::Patient& pat
 }
 
 /// Other particles of the tongue's mesh and its links.
-std::vector<std::uint32_t> held_of(const anatomy::Patient& patient, const std::vector<bool>& free) {
+std::vector<std::uint32_t> held_of(const patient::Patient& patient, const std::vector<bool>& free) {
     std::vector<std::uint32_t> held;
     const auto add = [&](std::uint32_t i) {
         if (!free[i]) {
             held.push_back(i);
         }
     };
-    for (const std::uint32_t t : anatomy::tetrahedra_of(Tissue::tongue, patient)) {
+    for (const std::uint32_t t : patient::tetrahedra_of(Tissue::tongue, patient)) {
         std::ranges::for_each(patient.tetrahedra.corners[t], add);
     }
     for (const auto& ends : patient.links.ends) {
@@ -89,7 +89,7 @@ void add_mean(std::vector<Vec3d>& mean, const std::vector<Vec3f>& position) {
 
 }  // namespace
 
-double opening_of(const anatomy::Patient& patient, const Laryngoscope& scope,
+double opening_of(const patient::Patient& patient, const Laryngoscope& scope,
                   const scene::Snapshot& snapshot) {
     metrics::GlotticViewer::Settings settings;
     settings.samples = 2000;
@@ -98,7 +98,7 @@ double opening_of(const anatomy::Patient& patient, const Laryngoscope& scope,
                                    .opening_percent);
 }
 
-std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Patient& patient) {
+std::vector<scene::Inputs> lift_of(const Scenario& scenario, const patient::Patient& patient) {
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     scene::Inputs inputs = app::parked_inputs(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
@@ -133,7 +133,7 @@ std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Pati
     return way;
 }
 
-Surroundings surroundings_of(const Scenario& scenario, const anatomy::Patient& patient,
+Surroundings surroundings_of(const Scenario& scenario, const patient::Patient& patient,
                              const std::vector<scene::Inputs>& way, TissueMethod model, int substeps) {
     Scenario finest = scenario;
     finest.physics.tissue_method = model;
@@ -182,7 +182,7 @@ Surroundings surroundings_of(const Scenario& scenario, const anatomy::Patient& p
     return out;
 }
 
-LiftState simulate_lift(const Scenario& scenario, const anatomy::Patient& patient,
+LiftState simulate_lift(const Scenario& scenario, const patient::Patient& patient,
                         const std::vector<scene::Inputs>& way, const std::vector<bool>& counted) {
     using Clock = std::chrono::steady_clock;
     app::Simulation simulation(scenario, patient, way.front());

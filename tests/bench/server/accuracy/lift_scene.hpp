@@ -41,21 +41,21 @@ struct Surroundings {
 };
 
 /// The expert's laryngoscope from the start until the best view of the glottis, tube parked.
-[[nodiscard]] std::vector<scene::Inputs> lift_of(const Scenario& scenario, const anatomy::Patient& patient);
+[[nodiscard]] std::vector<scene::Inputs> lift_of(const Scenario& scenario, const patient::Patient& patient);
 
 /// The tongue's surroundings along that path, from the solver with that many substeps and that model of the
 /// tongue.
-[[nodiscard]] Surroundings surroundings_of(const Scenario& scenario, const anatomy::Patient& patient,
+[[nodiscard]] Surroundings surroundings_of(const Scenario& scenario, const patient::Patient& patient,
                                            const std::vector<scene::Inputs>& way, TissueMethod model,
                                            int substeps);
 
 /// The solver's result; forces and speeds are those of the particles `counted`.
-[[nodiscard]] LiftState simulate_lift(const Scenario& scenario, const anatomy::Patient& patient,
+[[nodiscard]] LiftState simulate_lift(const Scenario& scenario, const patient::Patient& patient,
                                       const std::vector<scene::Inputs>& way,
                                       const std::vector<bool>& counted);
 
 /// POGO [%] of a snapshot.
-[[nodiscard]] double opening_of(const anatomy::Patient& patient, const Laryngoscope& scope,
+[[nodiscard]] double opening_of(const patient::Patient& patient, const Laryngoscope& scope,
                                 const scene::Snapshot& snapshot);
 
 }  // namespace eti::bench

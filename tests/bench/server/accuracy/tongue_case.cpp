@@ -44,17 +44,17 @@ struct Tongue {
 };
 
 Tongue tongue_of(const Scenario& scenario) {
-    const anatomy::Patient patient = app::patient_of(scenario);
-    const anatomy::BonePoses bones = anatomy::pose_bones(
+    const patient::Patient patient = app::patient_of(scenario);
+    const patient::BonePoses bones = patient::pose_bones(
         patient.skeleton,
         {scenario.runtime_parameters.head_elevation, scenario.runtime_parameters.jaw_opening});
-    const anatomy::ParticleSet& set = patient.particles;
+    const patient::ParticleSet& set = patient.particles;
     Tongue tongue;
     std::vector<std::uint32_t> number(set.size(), ~0u);
     for (std::uint32_t i = 0; i < set.size(); ++i) {
         if (set.tissue[i] == Tissue::tongue) {
             number[i] = static_cast<std::uint32_t>(tongue.rest.size());
-            tongue.rest.push_back(anatomy::pose_point(set.rest[i], set.bones[i], bones));
+            tongue.rest.push_back(patient::pose_point(set.rest[i], set.bones[i], bones));
             tongue.volume.push_back(8.0f * set.radius[i] * set.radius[i] * set.radius[i]);
             tongue.held.push_back(set.mass[i] == 0.0f);
             tongue.spacing = 2.0f * set.radius[i];
@@ -153,7 +153,7 @@ pbd::Particles particles_of(const Tongue& tongue) {
     p.resize(tongue.rest.size());
     p.rest = p.position = p.predicted = tongue.rest;
     for (std::size_t i = 0; i < p.size(); ++i) {
-        p.inverse_mass[i] = tongue.held[i] ? 0.0f : 1.0f / (anatomy::tissue_density * tongue.volume[i]);
+        p.inverse_mass[i] = tongue.held[i] ? 0.0f : 1.0f / (patient::tissue_density * tongue.volume[i]);
     }
     return p;
 }
@@ -237,7 +237,7 @@ Pressed press_by_particles(const Tongue& tongue, double depth, Method method, in
     clusters.first.push_back(0);
     for (const float volume : tongue.volume) {
         clusters.particle_volume.push_back(volume);
-        clusters.fitting_mass.push_back(anatomy::tissue_density * volume);
+        clusters.fitting_mass.push_back(patient::tissue_density * volume);
     }
     const float dt = step_duration / static_cast<float>(substeps);
     const auto wanted = static_cast<float>(youngs_modulus);
@@ -247,7 +247,7 @@ Pressed press_by_particles(const Tongue& tongue, double depth, Method method, in
     } else {
         const std::optional<pbd::ClusterLoad> load = calibration_of(method);
         const float modulus = load ? pbd::calibrated_modulus({.spacing = tongue.spacing,
-                                                              .density = anatomy::tissue_density,
+                                                              .density = patient::tissue_density,
                                                               .substep = dt,
                                                               .load = *load},
                                                              wanted)

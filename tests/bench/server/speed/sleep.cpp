@@ -140,7 +140,7 @@ void compare(const std::string& name, const Scenario& shipped, TissueMethod mode
     sleeping.physics.sleep = true;
     const std::string_view model_name = name_of(model);
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
-    const anatomy::Patient patient = app::patient_of(awake);
+    const patient::Patient patient = app::patient_of(awake);
     scene::Inputs inputs = app::parked_inputs(awake, patient);
     // All awake, with sleeping, and all awake with the shifted blade: these follow, in this order.
     std::array<FollowedScene, 2 + besides.size()> scenes = {

@@ -83,7 +83,7 @@ void sweep(SpeedMeter& meter, app::Simulation& simulation, const scene::Inputs& 
 /// A step of a whole scene at rest; the name describes it.
 void whole_step(SpeedMeter& meter, const Scenario& scenario, const std::string& name,
                 const std::string& state = "tools at rest") {
-    const anatomy::Patient patient = app::patient_of(scenario);
+    const patient::Patient patient = app::patient_of(scenario);
     const scene::Inputs inputs = app::parked_inputs(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     for (int i = 0; i < steps_per_second; ++i) {  // until any liquid has settled
@@ -115,7 +115,7 @@ void measure_whole_scenes(SpeedMeter& meter) {
 
 void measure_sweeps(SpeedMeter& meter) {
     const Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
-    const anatomy::Patient patient = app::patient_of(scenario);
+    const patient::Patient patient = app::patient_of(scenario);
     const scene::Inputs start = app::parked_inputs(scenario, patient);
     app::Simulation simulation(scenario, patient, start);
     const auto course = [&](const std::string& what, auto set_low, auto set_high) {
@@ -157,7 +157,7 @@ void measure_sweeps(SpeedMeter& meter) {
 void measure_scene(SpeedMeter& meter) {
     Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
     scenario.physics.sleep = false;  // measures active stages, even while tools are at rest
-    const anatomy::Patient patient = app::patient_of(scenario);
+    const patient::Patient patient = app::patient_of(scenario);
     scene::Inputs inputs = app::parked_inputs(scenario, patient);
     app::Simulation simulation(scenario, patient, inputs);
     for (int i = 0; i < 20; ++i) {
@@ -194,8 +194,8 @@ void measure_scene(SpeedMeter& meter) {
 
     const std::filesystem::path file =
         std::filesystem::temp_directory_path() / fmt::format("eti-bench-{}.h5", ::getpid());
-    anatomy::save_patient(patient, file, {});
-    const double load = meter.fastest([&] { (void)anatomy::load_patient(file); });
+    patient::save_patient(patient, file, {});
+    const double load = meter.fastest([&] { (void)patient::load_patient(file); });
     std::filesystem::remove(file);
     meter.add("loading the model file", 1e-6 * load, "ms");
 }

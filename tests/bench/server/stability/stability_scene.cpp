@@ -23,11 +23,11 @@ float scene_rate() {
 
 struct Move {
     std::string name;
-    anatomy::Posture from, to;
+    patient::Posture from, to;
     float rate = at_once;  ///< [rad/s]
 };
 
-scene::Inputs parked_inputs(const anatomy::Posture& posture) {
+scene::Inputs parked_inputs(const patient::Posture& posture) {
     scene::Inputs inputs;
     inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
     inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
@@ -37,8 +37,8 @@ scene::Inputs parked_inputs(const anatomy::Posture& posture) {
 }
 
 /// The patient at rest in a posture, without motion.
-std::vector<FramePose> settled_frames(const anatomy::Patient& patient, const Laryngoscope& scope,
-                                      const anatomy::Posture& posture, const scene::Settings& settings) {
+std::vector<FramePose> settled_frames(const patient::Patient& patient, const Laryngoscope& scope,
+                                      const patient::Posture& posture, const scene::Settings& settings) {
     scene::Scene scene(patient, scope, Tube{}, parked_inputs(posture), settings);
     for (int k = 0; k < static_cast<int>(scene_watched) * steps_per_second; ++k) {
         scene.step(parked_inputs(posture));
@@ -47,7 +47,7 @@ std::vector<FramePose> settled_frames(const anatomy::Patient& patient, const Lar
 }
 
 /// Compares the frames of bones and clusters with those of a patient built in the posture.
-RecoveryResult move(const anatomy::Patient& patient, const Move& move, int substeps) {
+RecoveryResult move(const patient::Patient& patient, const Move& move, int substeps) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     scene::Settings settings;
     settings.substeps = substeps;
@@ -74,7 +74,7 @@ RecoveryResult move(const anatomy::Patient& patient, const Move& move, int subst
 }  // namespace
 
 void head_in_one_step(const Sweep& sweep, StabilityTable& maps) {
-    const anatomy::Posture rest{}, head{max_head_elevation, 0.0f}, jaw{0.0f, max_jaw_opening},
+    const patient::Posture rest{}, head{max_head_elevation, 0.0f}, jaw{0.0f, max_jaw_opening},
         both{max_head_elevation, max_jaw_opening};
     const std::vector<Move> moves = {{"head 0 to 30 deg", rest, head},
                                      {"head 30 to 0 deg", head, rest},
@@ -96,7 +96,7 @@ void head_in_one_step(const Sweep& sweep, StabilityTable& maps) {
         }
     }
     if (!sweep.quick) {
-        const anatomy::Patient shipped_model = anatomy::build_patient({}, {});
+        const patient::Patient shipped_model = patient::build_patient({}, {});
         for (const Move& m : moves) {
             maps.add("scene", "head in one step", "shipped patient", m.name,
                      step_name(steps_per_second * shipped), [&] { return move(shipped_model, m, shipped); });

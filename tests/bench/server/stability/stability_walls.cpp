@@ -254,7 +254,7 @@ class Run {
             [&](double from, double to) {
                 contact.begin_step(sheet_.body.particles, at(from), at(to), parked, parked);
             },
-            [&](float dt, float, float end) { contact.predict(dt, end, anatomy::gravity(0.0f)); },
+            [&](float dt, float, float end) { contact.predict(dt, end, patient::gravity(0.0f)); },
             [&](float, float begin, float end) {
                 contact.project(sheet_.body.particles, shell_, begin, end);
                 contact.finish();

@@ -128,27 +128,27 @@ TEST_F(ControlsTest, InstructorPointsDrawsAndWrites) {
         (camera.projection(static_cast<float>(width) / height) * camera.view() * forehead.homogeneous())
             .eval()
             .hnormalized();
-    client::Drag mouse{.from_x = 0.5f * width * (1.0f + clip.x()),
-                       .from_y = 0.5f * height * (1.0f - clip.y()),
-                       .mark = client::Drag::Mark::begins};
+    hands::Drag mouse{.from_x = 0.5f * width * (1.0f + clip.x()),
+                      .from_y = 0.5f * height * (1.0f - clip.y()),
+                      .mark = hands::Drag::Mark::begins};
     mouse.at_x = mouse.from_x;
     mouse.at_y = mouse.from_y;
-    const auto act = [&](client::Drag::Mark what, float right) {
+    const auto act = [&](hands::Drag::Mark what, float right) {
         mouse.mark = what;
         mouse.at_x += right;
         instructor.drag(mouse, scene_, width, height, now_);
     };
-    act(client::Drag::Mark::begins, 0.0f);
+    act(hands::Drag::Mark::begins, 0.0f);
     instructor.follow(scene_);
     EXPECT_TRUE(instructor.vantage().sketch);
-    act(client::Drag::Mark::ends, 0.0f);
+    act(hands::Drag::Mark::ends, 0.0f);
     ASSERT_EQ(sent.size(), 1u) << notice(instructor);
     EXPECT_EQ(sent[0].kind(), msg::ANNOTATION_POINT);
     EXPECT_EQ(sent[0].object().to_string(), "body");
-    act(client::Drag::Mark::begins, 0.0f);
-    act(client::Drag::Mark::continues, 2.0f);
-    act(client::Drag::Mark::continues, 6.0f);
-    act(client::Drag::Mark::ends, 0.0f);
+    act(hands::Drag::Mark::begins, 0.0f);
+    act(hands::Drag::Mark::continues, 2.0f);
+    act(hands::Drag::Mark::continues, 6.0f);
+    act(hands::Drag::Mark::ends, 0.0f);
     ASSERT_EQ(sent.size(), 2u);
     EXPECT_EQ(sent[1].kind(), msg::ANNOTATION_STROKE);
     EXPECT_EQ(sent[1].places().size(), 2u) << "a step of two pixels is none";
@@ -165,7 +165,7 @@ TEST_F(ControlsTest, InstructorPointsDrawsAndWrites) {
     EXPECT_EQ(sent.at(3).kind(), msg::ANNOTATION_CLEAR);
     // An observer can do none of this.
     client::Controls observer(*client::selection_named("overview"), nullptr);
-    mouse.mark = client::Drag::Mark::begins;
+    mouse.mark = hands::Drag::Mark::begins;
     observer.drag(mouse, scene_, width, height, now_);
     observer.press(U'w', false, scene_, now_);
     EXPECT_FALSE(observer.writing());

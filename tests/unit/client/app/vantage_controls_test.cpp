@@ -15,7 +15,7 @@
 namespace eti {
 namespace {
 
-using client::Drag;
+using hands::Drag;
 using render::Vantage;
 
 const Landmarks points = synthetic::make_scene().landmarks;
@@ -57,7 +57,7 @@ TEST(VantageKeys, MoveEyeAlongItsAxesAndReset) {
 }
 
 TEST(Mouse, MovesEyeOrOrbitDependingOnView) {
-    const Drag sideways{.x = 50.0f, .y = -20.0f, .notches = 1.0f};
+    const hands::Drag sideways{.x = 50.0f, .y = -20.0f, .notches = 1.0f};
     Vantage eye;
     client::drag(eye, *render::view_named("eye"), sideways, points);
     EXPECT_GT(went(eye).x(), 5e-3f);

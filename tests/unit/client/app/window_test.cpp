@@ -118,7 +118,7 @@ TEST_F(WindowTest, QueuesDragsUntilTaken) {
     on_button(native_, GLFW_MOUSE_BUTTON_RIGHT, GLFW_RELEASE, 0);
     on_move(native_, 0.0, 0.0);
     on_wheel(native_, 0.0, -2.0);
-    const std::vector<client::Drag> drags = window_->take_drags();
+    const std::vector<hands::Drag> drags = window_->take_drags();
     ASSERT_EQ(drags.size(), 3u);
     EXPECT_TRUE(drags[0].from_x == 100.0f && drags[0].from_y == 50.0f && drags[0].right_button);
     EXPECT_TRUE(drags[0].x == 10.0f && drags[0].y == -5.0f && drags[0].notches == 0.0f);
@@ -135,8 +135,8 @@ TEST_F(WindowTest, ShiftDragDrawsMark) {
     on_move(native_, 110.0, 45.0);
     on_button(native_, GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE, 0);
     on_move(native_, 0.0, 0.0);
-    using Mark = client::Drag::Mark;
-    const std::vector<client::Drag> drags = window_->take_drags();
+    using Mark = hands::Drag::Mark;
+    const std::vector<hands::Drag> drags = window_->take_drags();
     ASSERT_EQ(drags.size(), 3u);
     EXPECT_TRUE(drags[0].mark == Mark::begins && drags[0].at_x == 100.0f && drags[0].at_y == 50.0f);
     EXPECT_TRUE(drags[1].mark == Mark::continues && drags[1].at_x == 110.0f && drags[1].from_x == 100.0f);

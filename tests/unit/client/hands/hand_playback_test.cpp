@@ -10,8 +10,8 @@
 namespace eti {
 namespace {
 
-using client::HandPlayback;
-using client::Hands;
+using hands::HandPlayback;
+using hands::Hands;
 
 constexpr float hand_play_dt = 1.0f / 180.0f;
 
@@ -51,7 +51,7 @@ steps:
         same.advance(hand_play_dt, {}, {});
     }
     same.release(U'w');
-    (void)same.press(client::other_hand_key);
+    (void)same.press(hands::other_hand_key);
     same.drag({{.notches = 4.0f}, {}, 540.0f}, seen_.landmarks());
     for (int i = 0; i < 200; ++i) {
         same.advance(hand_play_dt, {}, {});

@@ -60,28 +60,28 @@ class HandsLinkTest : public ::testing::Test {
 };
 
 TEST_F(HandsLinkTest, PublishesHandPosesLikeDevice) {
-    client::HandsLink link(client_, std::nullopt);
+    hands::HandsLink link(client_, std::nullopt);
     ASSERT_TRUE(follow([&] { return heard_count_ > 20; }));
     const Vec3f before = bus::from_msg(heard_.pose().position());
     link.press(U'w');
     ASSERT_TRUE(follow([&] { return (bus::from_msg(heard_.pose().position()) - before).norm() > 5e-3f; }));
     link.release(U'w');
     EXPECT_TRUE(bus::is_valid(heard_.pose()));
-    const client::HandsState state = link.state();
+    const hands::HandsState state = link.state();
     EXPECT_TRUE(state.holding && state.owned[0] && state.owned[1]);
 }
 
 TEST_F(HandsLinkTest, DoesNotPublishToolHeldByDevice) {
     bus::Node tracker(options("eti-haptics"));
     bus::Publisher<msg::ToolPose> device(tracker, bus::topics::laryngoscope_pose);
-    client::HandsLink link(client_, std::nullopt);
+    hands::HandsLink link(client_, std::nullopt);
     ASSERT_TRUE(follow([&] { return link.state().holding && !link.state().owned[0]; }));
     EXPECT_EQ(link.state().poses[0], 0u) << "not one pose beside the device's";
     ASSERT_TRUE(follow([&] { return link.state().poses[1] > 20; })) << "the tube is still the hand's";
 }
 
 TEST_F(HandsLinkTest, ReleasesToolWhenDeviceAppears) {
-    client::HandsLink link(client_, std::nullopt);
+    hands::HandsLink link(client_, std::nullopt);
     ASSERT_TRUE(follow([&] { return heard_count_ > 5; }));
     bus::Node tracker(options("eti-haptics"));
     const bus::Publisher<msg::ToolPose> device(tracker, bus::topics::laryngoscope_pose);

@@ -13,8 +13,8 @@
 namespace eti {
 namespace {
 
-using client::Drag;
-using client::Hands;
+using hands::Drag;
+using hands::Hands;
 
 constexpr float hands_dt = 1.0f / 180.0f, hands_height = 540.0f;
 constexpr float hands_tolerance = 2e-6f;  // [m], rounding of floats of a metre
@@ -27,8 +27,8 @@ class HandsTest : public ::testing::Test {
         }
     }
     void drag(const Drag& mouse) { hands_.drag({mouse, camera_, hands_height}, scene_.landmarks); }
-    [[nodiscard]] const client::HeldTool& blade() const { return hands_.held(Tool::laryngoscope); }
-    [[nodiscard]] const client::HeldTool& tube() const { return hands_.held(Tool::tube); }
+    [[nodiscard]] const hands::HeldTool& blade() const { return hands_.held(Tool::laryngoscope); }
+    [[nodiscard]] const hands::HeldTool& tube() const { return hands_.held(Tool::tube); }
 
     synthetic::Scene scene_ = synthetic::make_scene();
     Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
@@ -45,7 +45,7 @@ class HandsTest : public ::testing::Test {
 TEST_F(HandsTest, StartBeforeMouthPointingInwards) {
     const Vec3f& mouth = at(scene_.landmarks, Landmark::mouth_opening);
     for (const Tool tool : {Tool::laryngoscope, Tool::tube}) {
-        const client::HeldTool& held = hands_.held(tool);
+        const hands::HeldTool& held = hands_.held(tool);
         const float away = (held.tip() - mouth).norm();
         EXPECT_GT(away, 0.02f);
         EXPECT_LT(away, 0.07f);
@@ -66,7 +66,7 @@ TEST_F(HandsTest, OnlyActiveHandMoves) {
     EXPECT_GT((blade().tip() - blade_tip).norm(), 1e-3f);
     EXPECT_EQ((tube().tip() - tube_tip).norm(), 0.0f);
     const Vec3f moved = blade().tip();
-    EXPECT_TRUE(hands_.press(client::other_hand_key));
+    EXPECT_TRUE(hands_.press(hands::other_hand_key));
     drag({.x = 30.0f});
     follow(100);
     EXPECT_NEAR((blade().tip() - moved).norm(), 0.0f, hands_tolerance);
@@ -77,7 +77,7 @@ TEST_F(HandsTest, TipFollowsPointer) {
     const Vec3f from = blade().tip();
     drag({.x = 20.0f, .y = -8.0f});
     follow(100);
-    const Vec3f expected = client::picture_displacement(camera_, hands_height, from, 20.0f, -8.0f);
+    const Vec3f expected = hands::picture_displacement(camera_, hands_height, from, 20.0f, -8.0f);
     EXPECT_NEAR((blade().tip() - from - expected).norm(), 0.0f, hands_tolerance);
 }
 
@@ -111,7 +111,7 @@ TEST_F(HandsTest, KeysMoveToolWhileHeld) {
 }
 
 TEST_F(HandsTest, TubeInMouthPivotsAboutLips) {
-    (void)hands_.press(client::other_hand_key);
+    (void)hands_.press(hands::other_hand_key);
     const Vec3f& mouth = at(scene_.landmarks, Landmark::mouth_opening);
     for (int i = 0; i < 40 && tube().arc_length_to(mouth) > 0.07f; ++i) {
         drag({.notches = 1.0f});
@@ -129,22 +129,22 @@ TEST_F(HandsTest, HomeKeyReturnsToStart) {
     const RigidTransform start = blade().pose();
     drag({.x = 40.0f, .notches = 5.0f});
     follow(100);
-    EXPECT_TRUE(hands_.press(client::home_key));
+    EXPECT_TRUE(hands_.press(hands::home_key));
     follow(200);
     EXPECT_NEAR((blade().pose().translation - start.translation).norm(), 0.0f, hands_tolerance);
 }
 
 // A key with two meanings would perform only one of them.
 TEST(HandKeys, DoNotCollideWithOtherKeys) {
-    for (const client::HandKey& row : client::hand_keys()) {
+    for (const hands::HandKey& row : hands::hand_keys()) {
         EXPECT_EQ(client::command_key(row.key), nullptr) << row.caption;
         EXPECT_EQ(client::vantage_key(row.key), nullptr) << row.caption;
         EXPECT_EQ(client::selection_for_key(static_cast<char>(row.key)), nullptr) << row.caption;
-        EXPECT_TRUE(client::is_hand_key(row.key));
+        EXPECT_TRUE(hands::is_hand_key(row.key));
     }
-    EXPECT_EQ(client::command_key(client::home_key), nullptr);
-    EXPECT_EQ(client::vantage_key(client::home_key), nullptr);
-    EXPECT_FALSE(client::is_hand_key(U'h'));
+    EXPECT_EQ(client::command_key(hands::home_key), nullptr);
+    EXPECT_EQ(client::vantage_key(hands::home_key), nullptr);
+    EXPECT_FALSE(hands::is_hand_key(U'h'));
 }
 
 }  // namespace

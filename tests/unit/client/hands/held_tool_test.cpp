@@ -9,9 +9,9 @@
 namespace eti {
 namespace {
 
-using client::HandLimits;
-using client::HeldTool;
-using client::Overtravel;
+using hands::HandLimits;
+using hands::HeldTool;
+using hands::Overtravel;
 
 constexpr float held_tool_dt = 1.0f / 180.0f;
 constexpr float held_tool_tolerance = 1e-6f;  // [m], rounding of floats of a metre

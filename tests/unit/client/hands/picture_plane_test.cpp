@@ -25,7 +25,7 @@ Eigen::Vector2f pixel_of(const render::Camera& from, const Vec3f& point) {
 TEST(PicturePlane, DraggedPointStaysUnderPointer) {
     const render::Camera from = camera();
     const Vec3f point(0.02f, -0.01f, 0.01f);
-    const Vec3f way = client::picture_displacement(from, height, point, 37.0f, -21.0f);
+    const Vec3f way = hands::picture_displacement(from, height, point, 37.0f, -21.0f);
     const Eigen::Vector2f moved = pixel_of(from, point + way) - pixel_of(from, point);
     // Float matrices of a scene of a metre: 1e-6 of 960 pixels, with a margin.
     EXPECT_NEAR(moved.x(), 37.0f, 0.01f);
@@ -36,11 +36,11 @@ TEST(PicturePlane, DraggedPointStaysUnderPointer) {
 TEST(PicturePlane, PointBehindLensMovesAsAt10Millimetres) {
     const render::Camera from = camera();
     const Vec3f gaze = (from.target - from.eye).normalized();
-    const Vec3f near = client::picture_displacement(from, height, from.eye + 0.01f * gaze, 10.0f, 0.0f);
+    const Vec3f near = hands::picture_displacement(from, height, from.eye + 0.01f * gaze, 10.0f, 0.0f);
     EXPECT_GT(near.norm(), 0.0f);
     EXPECT_NEAR(
-        (client::picture_displacement(from, height, from.eye - 0.05f * gaze, 10.0f, 0.0f) - near).norm(),
-        0.0f, 1e-7f);
+        (hands::picture_displacement(from, height, from.eye - 0.05f * gaze, 10.0f, 0.0f) - near).norm(), 0.0f,
+        1e-7f);
 }
 
 }  // namespace

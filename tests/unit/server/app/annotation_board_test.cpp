@@ -17,8 +17,8 @@ namespace {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 /// One triangle of a tongue skinned to one frame.
-anatomy::Patient patient_with_a_tongue() {
-    anatomy::Patient patient;
+patient::Patient patient_with_a_tongue() {
+    patient::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero(), Vec3f(0.1f, 0.0f, 0.0f)};
     Surface surface;
     surface.name = "tongue";
@@ -59,7 +59,7 @@ class AnnotationBoardTest : public ::testing::Test {
         now_.frames = {FramePose{}, FramePose{Vec3f(0.1f, 0.0f, 0.0f), Quatf::Identity()}};
     }
 
-    anatomy::Patient patient_ = patient_with_a_tongue();
+    patient::Patient patient_ = patient_with_a_tongue();
     AnnotationBoard board_{patient_, laryngoscope_mesh(make_laryngoscope(Blade::miller_1))};
     scene::Snapshot now_;
 };

@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::uint64_t step_count = 900;
 
-anatomy::Patient bare_patient() {
-    anatomy::Patient patient;
+patient::Patient bare_patient() {
+    patient::Patient patient;
     patient.weight = 3.0f;
-    patient.frame_rest_centre.assign(anatomy::bone_count, Vec3f::Zero());
+    patient.frame_rest_centre.assign(patient::bone_count, Vec3f::Zero());
     return patient;
 }
 
@@ -48,7 +48,7 @@ Judged judged(bool beside) {
     const auto file = std::filesystem::temp_directory_path() /
                       ("eti_judge_" + std::to_string(::getpid()) + (beside ? "_beside" : "_at_once") + ".h5");
     std::filesystem::remove(file);
-    const anatomy::Patient patient = bare_patient();
+    const patient::Patient patient = bare_patient();
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     Judged out;
     {
@@ -126,7 +126,7 @@ TEST(AssessmentThread, AsynchronousResultsMatchSynchronous) {
 }
 
 TEST(AssessmentThread, RunningAttemptHasNoEndTime) {
-    const anatomy::Patient patient = bare_patient();
+    const patient::Patient patient = bare_patient();
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     Assessor assessor(patient, scope, Scenario{});
     AssessmentThread judge(assessor, nullptr, nullptr, false);

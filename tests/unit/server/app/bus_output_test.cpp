@@ -30,9 +30,9 @@ class BusOutputTest : public ::testing::Test {
         scenario.saliva = saliva;
         RuntimeParameters start;
         start.tongue_scale = 1.25f;
-        anatomy::Patient patient;
+        patient::Patient patient;
         patient.weight = 1.1f;
-        for (anatomy::CarriedPoint& landmark : patient.landmarks) {
+        for (patient::CarriedPoint& landmark : patient.landmarks) {
             landmark.rest.setConstant(0.01f);
         }
         return std::make_unique<BusOutput>(server_, scenario, patient, make_laryngoscope(Blade::miller_0),

@@ -18,11 +18,11 @@ using std::chrono_literals::operator""ms;
 constexpr std::size_t most_vertices = 3 * bus::chunk_positions + 5;
 
 /// Three frames, two surfaces of several chunks, particles of two alternating tissues.
-anatomy::Patient patient_of_two_surfaces() {
+patient::Patient patient_of_two_surfaces() {
     Random random(3);
     const auto length = [&] { return 0.1f * random.uniform(); };
     const auto point = [&] { return Vec3f(length(), length(), length()); };
-    anatomy::Patient patient;
+    patient::Patient patient;
     patient.frame_rest_centre = {point(), point(), point()};
     for (const auto& [name, vertices] : {std::pair{"face", most_vertices}, {"tongue", std::size_t{40}}}) {
         Surface& surface = patient.surfaces.emplace_back();
@@ -87,7 +87,7 @@ class LabOutputTest : public ::testing::Test {
     }
 
     bus::Node server_, client_;
-    anatomy::Patient patient_;
+    patient::Patient patient_;
     LabOutput output_;
     scene::Snapshot snapshot_;
 };

@@ -15,11 +15,11 @@ namespace eti::app {
 namespace {
 
 /// Surfaces that are only compared for equality.
-constexpr anatomy::BuildSettings rough{
+constexpr patient::BuildSettings rough{
     .spacing = 3.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 5e-3f, .body_triangles = 10000};
 
-anatomy::BuildSettings with_spacing(float spacing) {
-    anatomy::BuildSettings settings = rough;
+patient::BuildSettings with_spacing(float spacing) {
+    patient::BuildSettings settings = rough;
     settings.spacing = spacing;
     return settings;
 }
@@ -31,9 +31,9 @@ class PatientCache : public ::testing::Test {
         const std::filesystem::path folder = folder_of("first");
         std::filesystem::create_directories(folder);
         ::setenv("ETI_CACHE", folder.c_str(), 1);
-        usual_ = std::make_unique<anatomy::Patient>(cached_patient({}, rough));
+        usual_ = std::make_unique<patient::Patient>(cached_patient({}, rough));
         finer_ =
-            std::make_unique<anatomy::Patient>(anatomy::build_patient(NewbornShape{}, with_spacing(3e-3f)));
+            std::make_unique<patient::Patient>(patient::build_patient(NewbornShape{}, with_spacing(3e-3f)));
     }
     static void TearDownTestSuite() {
         std::filesystem::remove_all(folder_of("first"));
@@ -55,13 +55,13 @@ class PatientCache : public ::testing::Test {
         return std::distance(std::filesystem::directory_iterator(folder_), {});
     }
     std::filesystem::path folder_ = folder_of("");
-    static std::unique_ptr<anatomy::Patient> usual_;  ///< as built with an empty cache
-    static std::unique_ptr<anatomy::Patient> finer_;  ///< with another particle spacing, built from scratch
+    static std::unique_ptr<patient::Patient> usual_;  ///< as built with an empty cache
+    static std::unique_ptr<patient::Patient> finer_;  ///< with another particle spacing, built from scratch
 };
-std::unique_ptr<anatomy::Patient> PatientCache::usual_;
-std::unique_ptr<anatomy::Patient> PatientCache::finer_;
+std::unique_ptr<patient::Patient> PatientCache::usual_;
+std::unique_ptr<patient::Patient> PatientCache::finer_;
 
-void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) {
+void expect_same_surfaces(const patient::Patient& a, const patient::Patient& b) {
     ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
     for (std::size_t s = 0; s < a.surfaces.size(); ++s) {
         EXPECT_EQ(a.surfaces[s].mesh.vertices, b.surfaces[s].mesh.vertices) << a.surfaces[s].name;
@@ -79,16 +79,16 @@ void expect_same_surfaces(const anatomy::Patient& a, const anatomy::Patient& b) 
 
 TEST_F(PatientCache, BuiltModelIsReused) {
     EXPECT_EQ(files(), 1);
-    const anatomy::Patient read = cached_patient({}, rough);
+    const patient::Patient read = cached_patient({}, rough);
     EXPECT_EQ(files(), 1);
     EXPECT_EQ(read.particles.rest, usual_->particles.rest);
     expect_same_surfaces(read, *usual_);
 }
 
 TEST_F(PatientCache, StiffnessChangeReusesModel) {
-    anatomy::BuildSettings settings = rough;
+    patient::BuildSettings settings = rough;
     settings.tissue_stiffness = 12e3f;
-    const anatomy::Patient stiff = cached_patient({}, settings);
+    const patient::Patient stiff = cached_patient({}, settings);
     EXPECT_EQ(files(), 1);
     EXPECT_EQ(stiff.tissue_stiffness, 12e3f);
     ASSERT_EQ(stiff.links.ends, usual_->links.ends);
@@ -103,7 +103,7 @@ TEST_F(PatientCache, StiffnessChangeReusesModel) {
 
 // Reference: the same built from scratch.
 TEST_F(PatientCache, OtherSpacingReusesSurfaces) {
-    const anatomy::Patient patient = cached_patient({}, with_spacing(3e-3f));
+    const patient::Patient patient = cached_patient({}, with_spacing(3e-3f));
     EXPECT_EQ(files(), 2);
     EXPECT_GT(patient.particles.size(), usual_->particles.size());
     expect_same_surfaces(patient, *finer_);
@@ -112,7 +112,7 @@ TEST_F(PatientCache, OtherSpacingReusesSurfaces) {
 }
 
 TEST_F(PatientCache, OtherShapeIsBuiltFromScratch) {
-    const anatomy::Patient large = cached_patient({.tongue_scale = 1.2f}, rough);
+    const patient::Patient large = cached_patient({.tongue_scale = 1.2f}, rough);
     EXPECT_NE(large.surfaces[0].mesh.vertices, usual_->surfaces[0].mesh.vertices);
     EXPECT_EQ(files(), 2);
 }

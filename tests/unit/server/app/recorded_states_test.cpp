@@ -20,8 +20,8 @@ constexpr std::size_t frame_count = 12;
 constexpr float shift_tolerance = frame_shift_quantum + 0.9f * 0x1p-20f;
 constexpr float turn_tolerance = frame_turn_quantum + 2.0f * 0x1p-15f;
 
-anatomy::Patient patient_with_landmarks() {
-    anatomy::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.01f, 0.02f, 0.03f));
+patient::Patient patient_with_landmarks() {
+    patient::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.01f, 0.02f, 0.03f));
     for (std::size_t i = 0; i < landmark_count; ++i) {
         patient.landmarks[i] = {Vec3f::Constant(0.01f * static_cast<float>(i)),
                                 {{static_cast<std::uint16_t>(i % frame_count), 0, 0, 0}, {1.0f, 0, 0, 0}}};

@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t frame_count = 40;
 constexpr std::size_t tube_nodes = 5;
 
-anatomy::Patient small_patient() {
-    anatomy::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.1f, 0.2f, 0.3f));
+patient::Patient small_patient() {
+    patient::Patient patient = patient_of_a_triangle(frame_count, Vec3f(0.1f, 0.2f, 0.3f));
     for (std::size_t i = 0; i < landmark_count; ++i) {
         patient.landmarks[i] = {Vec3f::Constant(static_cast<float>(i)), {{1, 0, 0, 0}, {1.0f, 0, 0, 0}}};
     }

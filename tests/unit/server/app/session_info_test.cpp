@@ -15,12 +15,12 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(SessionInfo, SamePatientHasNoDifferences) {
-    const anatomy::Patient patient = test::coarse_newborn();
+    const patient::Patient patient = test::coarse_newborn();
     EXPECT_THAT(differences(session_info(Scenario{}, patient), session_info(Scenario{}, patient)), IsEmpty());
 }
 
 TEST(SessionInfo, DifferencesNameEveryReproducibilityInput) {
-    anatomy::Patient patient = test::coarse_newborn();
+    patient::Patient patient = test::coarse_newborn();
     const session::SessionInfo here = session_info(Scenario{}, patient);
     patient.particles.rest[7].x() += 1e-6f;
     session::SessionInfo recorded = session_info(Scenario{}, patient);
@@ -36,7 +36,7 @@ TEST(SessionInfo, DifferencesNameEveryReproducibilityInput) {
 }
 
 TEST(SessionInfo, FieldsMissingInOlderFilesAreIgnored) {
-    const anatomy::Patient patient = test::coarse_newborn();
+    const patient::Patient patient = test::coarse_newborn();
     session::SessionInfo recorded = session_info(Scenario{}, patient);
     recorded.more.clear();
     EXPECT_THAT(differences(recorded, session_info(Scenario{}, patient)), IsEmpty());

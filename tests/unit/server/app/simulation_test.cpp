@@ -22,7 +22,7 @@ Scenario stiff(float modulus, int substeps, TissueMethod model) {
 }
 
 std::string refusal_of(const Scenario& scenario) {
-    anatomy::Patient patient = test::coarse_newborn();
+    patient::Patient patient = test::coarse_newborn();
     patient.tissue_stiffness = scenario.runtime_parameters.tissue_stiffness;
     try {
         const Simulation simulation(scenario, patient, parked_inputs(scenario, patient));

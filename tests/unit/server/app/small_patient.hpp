@@ -7,8 +7,8 @@
 namespace eti::app {
 
 /// A tongue of one triangle on frame 7 of that many, all of which rest at one point.
-inline anatomy::Patient patient_of_a_triangle(std::size_t frames, const Vec3f& rest_centre) {
-    anatomy::Patient patient;
+inline patient::Patient patient_of_a_triangle(std::size_t frames, const Vec3f& rest_centre) {
+    patient::Patient patient;
     patient.frame_rest_centre.assign(frames, rest_centre);
     Surface surface;
     surface.name = "tongue";

@@ -38,7 +38,7 @@ inline Landmarks plain_landmarks() {
 inline scene::Snapshot plain_snapshot() {
     scene::Snapshot snapshot;
     snapshot.landmarks = plain_landmarks();
-    snapshot.frames.resize(anatomy::bone_count);
+    snapshot.frames.resize(patient::bone_count);
     snapshot.proxy.translation = Vec3f(0, -0.5f, 0);
     return snapshot;
 }

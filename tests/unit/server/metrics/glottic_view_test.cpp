@@ -109,7 +109,7 @@ struct Model {
         }
     }
 
-    anatomy::Patient patient;
+    patient::Patient patient;
     scene::Snapshot snapshot;
 };
 
@@ -224,7 +224,7 @@ TEST(SamplePolygon, CutAreaErrorIsBounded) {
 }
 
 TEST(GlotticView, HalfOccludedGlottisIsHalfVisible) {
-    anatomy::Patient patient;
+    patient::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Surface screen;
     screen.mesh.vertices = {{0, -1, 0.1f}, {0, 1, 0.1f}, {-1, 0, 0.1f}};
@@ -250,8 +250,8 @@ TEST(GlotticView, HalfOccludedGlottisIsHalfVisible) {
 }
 
 /// An upper lip that hangs over the line of sight 0.2 m before the glottis: 40 mm wide, 30 mm long.
-anatomy::Patient with_a_lip() {
-    anatomy::Patient patient;
+patient::Patient with_a_lip() {
+    patient::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Surface lip;
     constexpr int across = 20, along = 30;
@@ -274,7 +274,7 @@ anatomy::Patient with_a_lip() {
 }
 
 TEST(GlotticView, LipsInFrontOfGumDoNotOcclude) {
-    const anatomy::Patient patient = with_a_lip();
+    const patient::Patient patient = with_a_lip();
     scene::Snapshot snapshot = Model(8).snapshot;
     snapshot.frames = {FramePose{}};
     snapshot.proxy.translation = Vec3f(0, 0, 5);
@@ -296,7 +296,7 @@ TEST(GlotticView, LipsInFrontOfGumDoNotOcclude) {
 TEST(GlotticView, MovedEyeSeesDifferentOpening) {
     // Half of the mouth is covered, 0.1 m before the glottis. An eye at 0.3 m that moves 10 mm sideways sees
     // 10 mm * 0.1 / 0.2 = 5 mm more or less of what lies there, more than the whole opening.
-    anatomy::Patient patient;
+    patient::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Surface screen;
     screen.mesh.vertices = {{0, -1, 0.1f}, {0, 1, 0.1f}, {-1, 0, 0.1f}};
@@ -313,7 +313,7 @@ TEST(GlotticView, MovedEyeSeesDifferentOpening) {
 }
 
 TEST(GlotticView, TubeOccludesItsWidth) {
-    anatomy::Patient patient;
+    patient::Patient patient;
     patient.frame_rest_centre = {Vec3f::Zero()};
     Model model(8);
     scene::Snapshot snapshot = model.snapshot;

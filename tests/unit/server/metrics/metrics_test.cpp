@@ -108,7 +108,7 @@ TEST(Metrics, HandSpeedDiffersFromTipSpeed) {
 
 TEST(Metrics, VitalSignsFallDuringAttemptAndRecover) {
     Session run;
-    run.metrics.begin(run.patient, run.scope, 30.0, physiology(3.0, 39.0, 0.21));
+    run.metrics.begin(run.patient, run.scope, 30.0, physiology::newborn_physiology(3.0, 39.0, 0.21));
     const auto outside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); };
     const auto inside = [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, 0.03f); };
     run.play(5.0, outside);
@@ -286,7 +286,7 @@ TEST(Metrics, ManikinReportsOnlyToolMetrics) {
 
 TEST(Metrics, SuccessfulIntubation) {
     Session run;
-    run.metrics.begin(run.patient, run.scope, 30.0, physiology(3.0, 39.0, 0.3));
+    run.metrics.begin(run.patient, run.scope, 30.0, physiology::newborn_physiology(3.0, 39.0, 0.3));
     const test::Path path = test::tracheal_path();
     const float from = path.length_to(1) - 0.01f;
     const float to = path.length_to(2) + 0.021f;

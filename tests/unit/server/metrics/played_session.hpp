@@ -42,7 +42,7 @@ class Session {
         }
     }
 
-    anatomy::Patient patient;
+    patient::Patient patient;
     Laryngoscope scope;
     scene::Snapshot snapshot = plain_snapshot();
     GlotticView view;

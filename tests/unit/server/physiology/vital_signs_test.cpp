@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace eti::metrics {
+namespace eti::physiology {
 namespace {
 
 constexpr double tick = 1.0 / 180.0;  // [s]
@@ -35,7 +35,7 @@ void hold(VitalSigns& signs, double seconds, Ventilation ventilation) {
 // (24-44) and 56 (42-68) s, median and quartiles. They received as little oxygen as maintained 90 % and more;
 // the test uses 25 % oxygen.
 TEST(VitalSigns, PretermDesaturationMatchesKothari2021) {
-    const Physiology newborn = physiology(0.946, 27.0, 0.25);
+    const Physiology newborn = newborn_physiology(0.946, 27.0, 0.25);
     const double to_90 = time_to(90.0, newborn), to_80 = time_to(80.0, newborn),
                  to_60 = time_to(60.0, newborn);
     EXPECT_GT(to_90, 14.0);
@@ -49,7 +49,7 @@ TEST(VitalSigns, PretermDesaturationMatchesKothari2021) {
 // Patel et al. 1994 (Can J Anaesth 41:771): infants up to 6 months, paralysed and washed out with oxygen
 // until less than 3 % of nitrogen was left, reached 90 % after 96.5 s, standard deviation 12.7 s.
 TEST(VitalSigns, PreoxygenatedInfantMatchesPatel1994) {
-    EXPECT_NEAR(time_to(90.0, physiology(4.0, 40.0, 0.97)), 96.5, 12.7);
+    EXPECT_NEAR(time_to(90.0, newborn_physiology(4.0, 40.0, 0.97)), 96.5, 12.7);
 }
 
 // The equation of Severinghaus 1979 (J Appl Physiol 46:599) as in the program po2so2: 0.905818 at 8 kPa.
@@ -64,7 +64,7 @@ TEST(VitalSigns, SaturationFollowsThePublishedCurve) {
 
 TEST(VitalSigns, VentilationKeepsSteadyState) {
     for (const double oxygen : {0.21, 0.3, 1.0}) {
-        VitalSigns signs(physiology(3.5, 40.0, oxygen));
+        VitalSigns signs(newborn_physiology(3.5, 40.0, oxygen));
         const double saturation = signs.oxygen_saturation(), rate = signs.heart_rate();
         EXPECT_GT(saturation, 97.0);
         hold(signs, 120.0, Ventilation::both_lungs);
@@ -76,7 +76,7 @@ TEST(VitalSigns, VentilationKeepsSteadyState) {
 // Oxygen is conserved: without breaths, the stores lose what metabolism consumes. The rate late in the
 // apnoea, with empty lungs, follows from the blood alone (Sands et al. 2009, stage 2).
 TEST(VitalSigns, EmptyLungsDesaturateAtBloodStoreRate) {
-    Physiology newborn = physiology(1.1, 28.0, 0.21);
+    Physiology newborn = newborn_physiology(1.1, 28.0, 0.21);
     newborn.shunt = 0.0;
     VitalSigns signs(newborn);
     hold(signs, 40.0, Ventilation::none);
@@ -91,14 +91,16 @@ TEST(VitalSigns, EmptyLungsDesaturateAtBloodStoreRate) {
 }
 
 TEST(VitalSigns, PreoxygenationSlowsDesaturation) {
-    EXPECT_LT(time_to(80.0, physiology(3.5, 40.0, 0.21)), time_to(80.0, physiology(3.5, 40.0, 0.4)));
-    EXPECT_LT(time_to(80.0, physiology(3.5, 40.0, 0.4)), time_to(80.0, physiology(3.5, 40.0, 1.0)));
+    EXPECT_LT(time_to(80.0, newborn_physiology(3.5, 40.0, 0.21)),
+              time_to(80.0, newborn_physiology(3.5, 40.0, 0.4)));
+    EXPECT_LT(time_to(80.0, newborn_physiology(3.5, 40.0, 0.4)),
+              time_to(80.0, newborn_physiology(3.5, 40.0, 1.0)));
 }
 
 // Henderson-Smart et al. 1986 (Arch Dis Child 61:227): the heart slows 2.4 s after the saturation begins to
 // fall, and recovers with the air flow, before the saturation does.
 TEST(VitalSigns, HeartRateFallsLateAndRecoversFirst) {
-    VitalSigns signs(physiology(1.1, 28.0, 0.25));
+    VitalSigns signs(newborn_physiology(1.1, 28.0, 0.25));
     const double rest = signs.heart_rate();
     double saturation_fell = -1.0, heart_fell = -1.0, t = 0.0;
     for (; signs.heart_rate() > 105.0; t += tick) {
@@ -128,7 +130,7 @@ TEST(VitalSigns, HeartRateFallsLateAndRecoversFirst) {
 }
 
 TEST(VitalSigns, OneLungVentilationLowersSaturation) {
-    VitalSigns both(physiology(3.5, 40.0, 0.3)), one = both;
+    VitalSigns both(newborn_physiology(3.5, 40.0, 0.3)), one = both;
     hold(both, 90.0, Ventilation::both_lungs);
     hold(one, 90.0, Ventilation::one_lung);
     EXPECT_LT(one.oxygen_saturation(), both.oxygen_saturation() - 3.0);
@@ -137,7 +139,7 @@ TEST(VitalSigns, OneLungVentilationLowersSaturation) {
 
 TEST(VitalSigns, ValuesStayInRangeForLongCoarseSteps) {
     for (const double weight : {0.5, 4.5}) {
-        VitalSigns signs(physiology(weight, weight < 1.0 ? 22.0 : 42.0, 0.21));
+        VitalSigns signs(newborn_physiology(weight, weight < 1.0 ? 22.0 : 42.0, 0.21));
         for (int i = 0; i < 100; ++i) {
             signs.advance(10.0, Ventilation::none);
             ASSERT_GE(signs.oxygen_saturation(), 0.0);
@@ -150,4 +152,4 @@ TEST(VitalSigns, ValuesStayInRangeForLongCoarseSteps) {
 }
 
 }  // namespace
-}  // namespace eti::metrics
+}  // namespace eti::physiology

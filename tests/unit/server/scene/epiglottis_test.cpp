@@ -34,7 +34,7 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
     /// Displacements [m] of all particles when the dragged one is held `by` off its rest position for a
     /// second.
     std::vector<float> drag(const Vec3f& by) {
-        anatomy::Patient held = patient_;
+        patient::Patient held = patient_;
         held.particles.mass[dragged_] = 0.0f;
         SoftTissue tissue(held, GetParam(), epiglottis_dt);
         pbd::SoftBody& body = tissue.body();
@@ -55,7 +55,7 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
 
     /// Mean displacement [m] of the plate's other particles within 4 mm of the dragged one.
     [[nodiscard]] float mean_of_plate(const std::vector<float>& moved) const {
-        const anatomy::ParticleSet& set = patient_.particles;
+        const patient::ParticleSet& set = patient_.particles;
         float sum = 0.0f;
         float count = 0.0f;
         for (std::size_t i = 0; i < set.size(); ++i) {
@@ -71,8 +71,8 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
 
     /// The defect of the paper's figure: the plate's cluster also holds everything within 3 mm of it.
     void join_neighbours() {
-        const anatomy::ParticleSet& set = patient_.particles;
-        anatomy::ClusterSet joined = patient_.clusters;
+        const patient::ParticleSet& set = patient_.particles;
+        patient::ClusterSet joined = patient_.clusters;
         joined.first.assign(1, 0);
         joined.member.clear();
         for (std::size_t c = 0; c < patient_.clusters.size(); ++c) {
@@ -107,7 +107,7 @@ class EpiglottisTest : public ::testing::TestWithParam<TissueMethod> {
     }
 
     static constexpr float pull = 2e-3f;
-    anatomy::Patient patient_;
+    patient::Patient patient_;
     std::size_t dragged_ = 0;
 };
 
@@ -115,7 +115,7 @@ TEST_P(EpiglottisTest, DraggedPlateBendsAndDistantTissueStays) {
     const std::vector<float> moved = drag({0.0f, pull, 0.0f});
     ASSERT_NEAR(moved[dragged_], pull, 1e-5f);
     EXPECT_GT(mean_of_plate(moved), 0.3f * pull) << "the plate goes along";
-    const anatomy::ParticleSet& set = patient_.particles;
+    const patient::ParticleSet& set = patient_.particles;
     float far = 0.0f;
     std::size_t far_count = 0;
     for (std::size_t i = 0; i < set.size(); ++i) {

@@ -19,8 +19,8 @@ namespace eti::scene {
 namespace {
 
 /// The newborn of the premature scenarios; only its skin is coarser.
-const anatomy::Patient& premature() {
-    static const anatomy::Patient patient = app::cached_patient(
+const patient::Patient& premature() {
+    static const patient::Patient patient = app::cached_patient(
         {.weight = 1.1f, .gestational_age = 28.0f, .tongue_scale = 1.15f}, {.surface_spacing = 2.5e-3f});
     return patient;
 }
@@ -28,8 +28,8 @@ const anatomy::Patient& premature() {
 /// Tissue at rest in one posture, tools far away, and saliva.
 class Mouth {
   public:
-    explicit Mouth(const anatomy::Posture& posture, LiquidKind kind = LiquidKind::saliva)
-        : bones(anatomy::pose_bones(premature().skeleton, posture)),
+    explicit Mouth(const patient::Posture& posture, LiquidKind kind = LiquidKind::saliva)
+        : bones(patient::pose_bones(premature().skeleton, posture)),
           tissue(premature(), TissueMethod::clusters, step_duration / 8),
           shell(premature(), bones),
           saliva(premature(), make_laryngoscope(Blade::miller_0), 1.8e-3f, 1, kind) {
@@ -38,7 +38,7 @@ class Mouth {
         std::vector<FramePose> frames;
         tissue.frames(frames);
         for (std::size_t i = 0; i < landmark_count; ++i) {
-            const anatomy::CarriedPoint& point = premature().landmarks[i];
+            const patient::CarriedPoint& point = premature().landmarks[i];
             landmarks[i] = skin_point(point.rest, point.skin, premature().frame_rest_centre, frames);
         }
         blade.translation = Vec3f(0.0f, -0.3f, 0.2f);
@@ -67,7 +67,7 @@ class Mouth {
 
     [[nodiscard]] std::span<const Vec3f> liquid() const { return saliva.fluid().positions(); }
 
-    anatomy::BonePoses bones;
+    patient::BonePoses bones;
     SoftTissue tissue;
     PosedShell shell;
     Landmarks landmarks{};

@@ -505,9 +505,9 @@ TEST_F(SceneTest, HeadGrowthDoesNotAffectSimulation) {
     grow.runtime_parameters.head_scale = 0.9f;
     large.reset(grow);
     grow.runtime_parameters.head_scale = 1.08f;  // a fifth more
-    const std::size_t first = anatomy::bone_count + test::coarse_newborn().clusters.size();
+    const std::size_t first = patient::bone_count + test::coarse_newborn().clusters.size();
     const std::vector<FramePose> before = large.snapshot().frames;
-    ASSERT_EQ(before.size(), first + anatomy::head_frame_count);
+    ASSERT_EQ(before.size(), first + patient::head_frame_count);
     for (int k = 0; k < 3 * steps_per_second; ++k) {
         usual.step(inputs);
         large.step(grow);
@@ -568,7 +568,7 @@ TEST_F(SceneTest, TiltedTableOnlyRotatesGravity) {
         tilted.step(inputs);
     }
     EXPECT_FLOAT_EQ(tilted.snapshot().runtime_parameters.table_angle, max_table_angle);
-    for (std::size_t b = 0; b < anatomy::bone_count; ++b) {
+    for (std::size_t b = 0; b < patient::bone_count; ++b) {
         EXPECT_EQ(tilted.snapshot().frames[b].centre, before[b].centre);
     }
     // Head-up, the tongue sags towards the feet: by rho g sin(20 deg) L / E of its length of some 30 mm at
@@ -588,10 +588,10 @@ TEST_F(SceneTest, TiltedTableOnlyRotatesGravity) {
 }
 
 TEST(Gravity, IsExactOnLevelTable) {
-    const Vec3f level = anatomy::gravity(0.0f);
+    const Vec3f level = patient::gravity(0.0f);
     EXPECT_EQ(level, Vec3f(0.0f, 9.81f, 0.0f));
     EXPECT_FALSE(std::signbit(level.z()));
-    const Vec3f head_up = anatomy::gravity(30.0f * degree);
+    const Vec3f head_up = patient::gravity(30.0f * degree);
     EXPECT_NEAR(head_up.z(), -4.905f, 1e-5f) << "towards the feet";
     EXPECT_NEAR(head_up.norm(), 9.81f, 1e-5f);
 }

@@ -15,19 +15,19 @@ namespace eti::scene {
 namespace {
 
 /// One tetrahedron and three vertices within it, skinned to a cluster and in part to a bone.
-anatomy::Patient small() {
-    anatomy::Patient patient;
+patient::Patient small() {
+    patient::Patient patient;
     patient.particles.rest = {Vec3f::Zero(), Vec3f::UnitX(), Vec3f::UnitY(), Vec3f::UnitZ()};
     patient.tetrahedra.corners = {{0, 1, 2, 3}};
     patient.clusters.first = {0, 4};
     patient.clusters.member = {0, 1, 2, 3};
     patient.clusters.tissue = {Tissue::tongue};
-    patient.frame_rest_centre.assign(anatomy::bone_count + 1, Vec3f::Constant(0.25f));
+    patient.frame_rest_centre.assign(patient::bone_count + 1, Vec3f::Constant(0.25f));
     Surface& surface = patient.surfaces.emplace_back();
     surface.tissue = Tissue::tongue;
     for (const Vec3f& at : {Vec3f(0.1f, 0.1f, 0.1f), Vec3f(0.2f, 0.1f, 0.1f), Vec3f(0.1f, 0.2f, 0.1f)}) {
         surface.mesh.vertices.push_back(at);
-        surface.skin.push_back({{static_cast<std::uint16_t>(anatomy::bone_count), 0}, {0.75f, 0.25f}});
+        surface.skin.push_back({{static_cast<std::uint16_t>(patient::bone_count), 0}, {0.75f, 0.25f}});
     }
     return patient;
 }
@@ -36,11 +36,11 @@ anatomy::Patient small() {
 std::vector<FramePose> frames_at(const Vec3f& centre) {
     FramePose pose;
     pose.centre = centre;
-    return std::vector<FramePose>(anatomy::bone_count + 1, pose);
+    return std::vector<FramePose>(patient::bone_count + 1, pose);
 }
 
 TEST(SkinFrameCorrection, FrameShiftsByVertexError) {
-    const anatomy::Patient patient = small();
+    const patient::Patient patient = small();
     SkinFrameCorrection fit;
     fit.configure(patient, std::array{0u});
     ASSERT_EQ(fit.size(), 1u);
@@ -53,32 +53,32 @@ TEST(SkinFrameCorrection, FrameShiftsByVertexError) {
     fit.shift(position, frames);
     EXPECT_EQ(frames[0].centre, Vec3f::Constant(0.25f));  // a bone stays
     // Each round leaves a quarter of the error, the bone's share.
-    const Vec3f drawn = 0.75f * (frames[anatomy::bone_count].centre - Vec3f::Constant(0.25f));
+    const Vec3f drawn = 0.75f * (frames[patient::bone_count].centre - Vec3f::Constant(0.25f));
     EXPECT_LT((drawn - (1.0f - std::pow(0.25f, 3.0f)) * by).norm(), 1e-6f);
 }
 
 TEST(SkinFrameCorrection, MatchingMeshNeedsNoShift) {
-    const anatomy::Patient patient = small();
+    const patient::Patient patient = small();
     SkinFrameCorrection fit;
     fit.configure(patient, std::array{0u});
     std::vector<FramePose> frames = frames_at(Vec3f::Constant(0.25f));
     fit.shift(patient.particles.rest, frames);
-    EXPECT_LT((frames[anatomy::bone_count].centre - Vec3f::Constant(0.25f)).norm(), 1e-6f);
+    EXPECT_LT((frames[patient::bone_count].centre - Vec3f::Constant(0.25f)).norm(), 1e-6f);
 }
 
 TEST(SkinFrameCorrection, FramesWithoutTetrahedraStay) {
-    const anatomy::Patient patient = small();
+    const patient::Patient patient = small();
     SkinFrameCorrection fit;
     fit.configure(patient, {});
     EXPECT_EQ(fit.size(), 0u);
     std::vector<FramePose> frames = frames_at(Vec3f::Ones());
     fit.shift(patient.particles.rest, frames);
-    EXPECT_EQ(frames[anatomy::bone_count].centre, Vec3f::Ones());
+    EXPECT_EQ(frames[patient::bone_count].centre, Vec3f::Ones());
 }
 
 /// A dent in a newborn's tongue, with a known displacement at every point.
 TEST(SkinFrameCorrection, DentIsDrawnAtItsPosition) {
-    const anatomy::Patient patient = app::cached_patient(
+    const patient::Patient patient = app::cached_patient(
         NewbornShape(), {.spacing = 2.5e-3f, .fine_spacing = 1.25e-3f, .surface_spacing = 2.5e-3f});
     const auto tongue = std::ranges::find(patient.surfaces, Tissue::tongue, &Surface::tissue);
     ASSERT_NE(tongue, patient.surfaces.end());
@@ -120,7 +120,7 @@ TEST(SkinFrameCorrection, DentIsDrawnAtItsPosition) {
 
     // The query vertices are spread over the tongue.
     SkinFrameCorrection fit;
-    fit.configure(patient, anatomy::tetrahedra_of(Tissue::tongue, patient));
+    fit.configure(patient, patient::tetrahedra_of(Tissue::tongue, patient));
     EXPECT_GT(fit.size(), tongue->skin.size() / 5);
 }
 

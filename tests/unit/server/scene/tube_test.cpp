@@ -80,7 +80,7 @@ class TubeContactTest : public ::testing::Test {
             for (std::size_t i = 0; i < particles_.size(); ++i) {
                 predict(i);
             }
-            contact.predict(tube_dt, end, anatomy::gravity(0.0f));
+            contact.predict(tube_dt, end, patient::gravity(0.0f));
             contact.project(particles_, shell_, begin, end);
             contact.finish();
             for (std::size_t i = 0; i < particles_.size(); ++i) {
@@ -266,10 +266,10 @@ struct Lying {
 class PushedTube : public TubeContactTest, public ::testing::WithParamInterface<Lying> {
   protected:
     PushedTube() {
-        anatomy::Posture open;
+        patient::Posture open;
         open.jaw_opening = 29.0f * std::numbers::pi_v<float> / 180.0f;  // as in the scenarios
-        const anatomy::Patient& newborn = test::coarse_newborn();
-        shell_ = scene::PosedShell(newborn, anatomy::pose_bones(newborn.skeleton, open)).distance();
+        const patient::Patient& newborn = test::coarse_newborn();
+        shell_ = scene::PosedShell(newborn, patient::pose_bones(newborn.skeleton, open)).distance();
         const float turned = GetParam().turned;
         Eigen::Matrix3f axes;
         axes.col(0) = Vec3f::UnitX();

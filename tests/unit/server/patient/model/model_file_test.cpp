@@ -11,7 +11,7 @@
 #include "common/hdf5/file.hpp"
 #include "random_patient.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 class ModelFile : public ::testing::Test {
@@ -185,4 +185,4 @@ TEST_F(ModelFile, ReportsUnwritablePath) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -8,7 +8,7 @@
 #include "common/math/random.hpp"
 #include "server/patient/model/patient.hpp"
 
-namespace eti::anatomy::test {
+namespace eti::patient::test {
 
 inline Vec3f random_point(Random& random) {
     return {random.normal(), random.normal(), random.normal()};
@@ -123,4 +123,4 @@ inline Patient random_patient(std::size_t particles, std::size_t clusters, int g
     return patient;
 }
 
-}  // namespace eti::anatomy::test
+}  // namespace eti::patient::test

@@ -13,7 +13,7 @@
 #include "server/patient/model/stiffness.hpp"
 #include "server/patient/newborn/build/build.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 constexpr BuildSettings coarse{.spacing = 2.5e-3f, .fine_spacing = 2e-3f, .surface_spacing = 2.5e-3f};
@@ -149,4 +149,4 @@ TEST(Stiffness, SetLaterMatchesBuilt) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -13,7 +13,7 @@
 #include "server/patient/model/skeleton.hpp"
 #include "server/patient/newborn/build/skinner.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 // Requirement: an edge at most three times as long as at rest, for any posture of head and jaw. A newborn's
@@ -213,4 +213,4 @@ TEST(HeaviestShares, EqualSharesStillSumToOne) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

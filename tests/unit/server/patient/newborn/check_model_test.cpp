@@ -11,7 +11,7 @@
 #include "server/patient/newborn/dimensions.hpp"
 #include "server/patient/newborn/newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 constexpr BuildSettings coarse{
@@ -262,4 +262,4 @@ TEST(Dimensions, HeadElevationAlignsOralAndLaryngealAxes) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -8,7 +8,7 @@
 #include "server/patient/newborn/newborn.hpp"
 #include "tests/support/coarse_newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 struct Off {
@@ -88,4 +88,4 @@ TEST(HeadGrowth, MovesOnlySkullBoundVertices) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

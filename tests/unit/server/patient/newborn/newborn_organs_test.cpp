@@ -11,7 +11,7 @@
 #include "common/math/units.hpp"
 #include "server/patient/newborn/newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 constexpr float step = 0.05f;
@@ -352,4 +352,4 @@ TEST(NewbornOrgans, FrenulumTethersTongueInMidline) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

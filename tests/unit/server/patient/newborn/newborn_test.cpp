@@ -7,7 +7,7 @@
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 Vec3f place_of(const Newborn& newborn, Landmark which) {
@@ -126,4 +126,4 @@ TEST(Newborn, HyoidLiesBelowTongueOutsideAirway) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -7,7 +7,7 @@
 
 #include "server/patient/newborn/newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 // Model coordinates: x left, y anterior, z superior; millimetres of a 3.5 kg newborn.
@@ -170,4 +170,4 @@ TEST_F(NewbornSeen, DrawnAirwayMatchesContactShell) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -7,7 +7,7 @@
 #include "common/math/random.hpp"
 #include "server/patient/newborn/newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 TEST(SizingField, IsFinestInCloseUpRegions) {
@@ -49,4 +49,4 @@ TEST(SizingField, ClothIsFinestAtHemAndFarEnd) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -8,7 +8,7 @@
 #include "server/patient/newborn/build/build.hpp"
 #include "tests/support/shipped_newborn.hpp"
 
-namespace eti::anatomy {
+namespace eti::patient {
 namespace {
 
 constexpr float shortest_levelled_edge = 2e-4f;  // [m], as in build_skin_test.cpp
@@ -69,4 +69,4 @@ TEST(LevelSkin, LiftDoesNotTearSkin) {
 }
 
 }  // namespace
-}  // namespace eti::anatomy
+}  // namespace eti::patient

@@ -47,7 +47,7 @@ TEST(Registration, RecoversPhantomSizeTiltAndPosition) {
 TEST(LabelledAnatomy, MatchesPhantomGroundTruth) {
     const Phantom& phantom = coarse_phantom(1.0e-3f);
     const LabelledAnatomy anatomy(phantom.labels, phantom.landmarks, silent);
-    const anatomy::Newborn truth(PhantomSettings().newborn);
+    const patient::Newborn truth(PhantomSettings().newborn);
     // Compared in the volume's frame, which is the phantom's.
     double wrong = 0.0;
     double count = 0.0;
@@ -57,8 +57,8 @@ TEST(LabelledAnatomy, MatchesPhantomGroundTruth) {
         for (float y = low.y(); y < high.y(); y += 2e-3f) {
             for (float x = low.x(); x < high.x(); x += 2e-3f) {
                 const Vec3f point(x, y, z);
-                const anatomy::Fields is = anatomy.fields(back * point);
-                const anatomy::Fields was = truth.fields(point);
+                const patient::Fields is = anatomy.fields(back * point);
+                const patient::Fields was = truth.fields(point);
                 // Where the truth is clearly air or clearly tissue, a millimetre from the border.
                 const float air = std::max({was.cavity, -was.tongue, -was.epiglottis});
                 const float found = std::max({is.cavity, -is.tongue, -is.epiglottis});
@@ -81,9 +81,9 @@ TEST(LabelledAnatomy, MatchesPhantomGroundTruth) {
 TEST(LabelledAnatomy, BuildsValidModel) {
     const Phantom& phantom = coarse_phantom(1.0e-3f);
     const LabelledAnatomy anatomy(phantom.labels, {}, silent);
-    const anatomy::Patient patient = anatomy::build_patient(
+    const patient::Patient patient = patient::build_patient(
         anatomy, {.spacing = 3.0e-3f, .fine_spacing = 1.5e-3f, .surface_spacing = 2.0e-3f});
-    for (const anatomy::Invariant& i : anatomy::check_model(patient)) {
+    for (const patient::Invariant& i : patient::check_model(patient)) {
         EXPECT_TRUE(i.holds) << i.name << ": " << i.found;
     }
     EXPECT_FALSE(anatomy.remarks().empty()) << "voxels of 1 mm do not show the epiglottis";
