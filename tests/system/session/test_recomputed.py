@@ -5,9 +5,7 @@ sessions except one are runs of operator_run.py."""
 
 import json
 import re
-import sys
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy
@@ -15,7 +13,6 @@ import yaml
 
 import recompute
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
 from operator_run import PARTICIPANT, recording
 

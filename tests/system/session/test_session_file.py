@@ -10,7 +10,6 @@ import re
 import resource
 import signal
 import subprocess
-import sys
 import time
 import unittest
 from collections import Counter
@@ -19,7 +18,6 @@ from pathlib import Path
 import h5py
 import numpy
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
 
 RECORD_SESSION = os.environ.get("ETI_RECORD_SESSION", support.BIN.parent / "tests/record_session")

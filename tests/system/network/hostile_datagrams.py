@@ -18,6 +18,7 @@ import tempfile
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import support
 
 DEADLY = (b"RTPS\x02\x03\x01\x0f" + bytes(range(1, 13)) + b"\x80\x01" + struct.pack("<H", 56) + bytes(56) +
