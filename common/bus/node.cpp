@@ -236,14 +236,17 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
     const auto& data = info.info.m_userData.data_vec();
     const std::optional<Peer> peer = introduced(std::string(data.begin(), data.end()),
                                                 std::string(info.info.m_participantName.c_str()), id);
+    const bool as_server =
+        peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
     if (peer) {
         const std::lock_guard lock(peers_mutex_);
+        if (peers_.size() >= max_peers && as_server) {
+            peers_.erase(peers_.begin());
+        }
         if (peers_.size() < max_peers) {
             peers_.insert_or_assign(id, *peer);
         }
     }
-    const bool as_server =
-        peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
     admission_->on_discovered(id, peer ? fmt::format("'{}' {}", peer->name, peer->process) : "", as_server);
     log_admission_changes();
 }

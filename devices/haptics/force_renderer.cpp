@@ -75,15 +75,17 @@ Wrench ForceRenderer::soft_wrench(const SceneState& scene, const RigidTransform&
     return scaled(smooth, settings_.coupling.tissue_gain * share);
 }
 
-Wrench ForceRenderer::for_device(const Wrench& wrench, const Motion& device, const SceneState& scene) const {
+Wrench ForceRenderer::for_device(const Wrench& shell, const Wrench& tissue, const Motion& device,
+                                 const SceneState& scene) const {
+    const Wrench sum{shell.force + tissue.force, shell.torque + tissue.torque};
     if (settings_.torque) {
-        return wrench;
+        return sum;
     }
     // The contacts are the blade's.
     if (scene.proxy.contacts == 0 || settings_.tool == Tool::tube) {
-        return {wrench.force, Vec3f::Zero()};
+        return {sum.force, Vec3f::Zero()};
     }
-    return {gimbal_force(wrench, device.pose.translation, scene.proxy.contact_centre,
+    return {gimbal_force(shell, tissue, device.pose.translation, scene.proxy.contact_centre,
                          device.pose * settings_.gimbal),
             Vec3f::Zero()};
 }
@@ -127,7 +129,7 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
     if (proxy) {
         const Wrench rigid = rigid_wrench(device, *proxy);
         const Wrench soft = soft_wrench(scene, proxy->pose, dt, returned);
-        const Wrench sum = for_device({rigid.force + soft.force, rigid.torque + soft.torque}, device, scene);
+        const Wrench sum = for_device(rigid, soft, device, scene);
         if (!finite(sum)) {
             ++not_finite_;
             release();

@@ -52,7 +52,7 @@ class ForceRenderer {
     [[nodiscard]] bool after_gap(const SceneState& scene);
     /// Motion of the point where the force acts: the tool, or, without torque, the gimbal.
     [[nodiscard]] Motion felt(const Motion& device) const;
-    [[nodiscard]] Wrench for_device(const Wrench& wrench, const Motion& device,
+    [[nodiscard]] Wrench for_device(const Wrench& shell, const Wrench& tissue, const Motion& device,
                                     const SceneState& scene) const;
 
     RenderSettings settings_;

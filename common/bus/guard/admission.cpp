@@ -18,10 +18,30 @@ constexpr std::size_t max_participants = 256, max_writers = 4096, most_news = 16
 
 void Admission::on_discovered(const ParticipantId& participant, const std::string& name, bool as_server) {
     const std::lock_guard lock(mutex_);
-    if (candidates_.size() < max_participants) {
-        candidates_.try_emplace(participant, Candidate{name, as_server, ++order_});
-        reevaluate();
+    if (!candidates_.contains(participant) && candidates_.size() >= max_participants &&
+        !make_room(as_server)) {
+        return;
     }
+    candidates_.try_emplace(participant, Candidate{name, as_server, ++order_});
+    reevaluate();
+}
+
+/// Where there are too many participants, one that is no server gives way to a server. Reported once.
+bool Admission::make_room(bool for_server) {
+    if (!std::exchange(crowded_, true)) {
+        log_lines_.push_back(
+            fmt::format("more than {} participants are in the session's domain: of the others, only servers "
+                        "are listened to; "
+                        "use another --domain, or end what announces itself there",
+                        max_participants));
+    }
+    const auto other =
+        std::ranges::find_if(candidates_, [](const auto& one) { return !one.second.as_server; });
+    if (!for_server || other == candidates_.end()) {
+        return false;
+    }
+    candidates_.erase(other);
+    return true;
 }
 
 void Admission::on_removed(const ParticipantId& participant) {

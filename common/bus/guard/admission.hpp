@@ -61,6 +61,7 @@ class Admission {
         bool lost = false;  // not alive any more, or ownership released
     };
 
+    [[nodiscard]] bool make_room(bool for_server);
     void reevaluate();
     void forget_writers(const ParticipantId& participant);
     void block_participants_over_limit();
@@ -79,6 +80,7 @@ class Admission {
     std::set<ParticipantId> blocked_;   // over the limit of writers
     std::set<ParticipantId> reported_;  // rejected ones already logged
     std::vector<std::string> log_lines_;
+    bool crowded_ = false;  // too many participants: reported
     std::uint64_t order_ = 0;
     std::atomic<bool> any_refused_{false}, contested_{false};
 };

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/guard/fragment_guard.hpp"
 #include "common/bus/guard/rtps_message.hpp"
 #include "common/bus/guard/sequence_number_guard.hpp"
 #include "common/bus/library_log.hpp"
@@ -59,8 +60,21 @@ Watchdog& watch() {
 struct Questions {
     std::shared_ptr<const Admission> admission;
     std::shared_ptr<SequenceNumberGuard> reached = std::make_shared<SequenceNumberGuard>();
+    std::shared_ptr<FragmentGuard> fragments = std::make_shared<FragmentGuard>();
     Watchdog* watch = &eti::bus::watch();
 };
+
+/// The datagram with parameters made padding, which the library skips. It knows the types of a session, and
+/// would allocate whatever a type description counts.
+std::vector<std::uint8_t> without_parameters(Bytes datagram, const std::vector<Bytes>& contents) {
+    std::vector<std::uint8_t> out(datagram.begin(), datagram.end());
+    for (const Bytes& content : contents) {
+        constexpr std::ptrdiff_t identifier_and_length = 4;
+        const auto at = out.begin() + (content.data() - datagram.data()) - identifier_and_length;
+        std::fill_n(at, 2, std::uint8_t{0});  // PID_PAD
+    }
+    return out;
+}
 
 class ReceiveFilter final : public transport::ChainingTransport {
   public:
@@ -77,19 +91,38 @@ class ReceiveFilter final : public transport::ChainingTransport {
 
     void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
                  const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
-        bool by_admission = false, leaps = false;
+        std::string_view fault = "is not sound RTPS";
+        bool by_admission = false;
+        std::vector<Bytes> type_descriptions;
         const auto refused = [&](const WriterSubmessage& written) {
             by_admission = ask_.admission->rejects(written.writer);
-            leaps =
-                !by_admission && written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to);
-            return by_admission || leaps;
+            if (by_admission) {
+                return true;
+            }
+            const bool from_owner = ask_.admission->owner() == written.writer.participant;
+            if (written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to, from_owner)) {
+                fault = "says of its writer more samples than it can have written";
+                return true;
+            }
+            if (written.fragments &&
+                !ask_.fragments->plausible(written.writer, *written.fragments, from_owner)) {
+                fault = "has fragments that do not belong together";
+                return true;
+            }
+            type_descriptions.insert(type_descriptions.end(), written.type_descriptions.begin(),
+                                     written.type_descriptions.end());
+            return false;
         };
         if (is_well_formed({buffer, size}, refused)) {
             const Watchdog::Call call(*ask_.watch);
-            next->OnDataReceived(buffer, size, local, remote);
+            if (type_descriptions.empty()) {
+                next->OnDataReceived(buffer, size, local, remote);
+            } else {
+                const auto copy = without_parameters({buffer, size}, type_descriptions);
+                next->OnDataReceived(copy.data(), size, local, remote);
+            }
         } else if (!by_admission) {
-            log_dropped(size, leaps ? "says of its writer more samples than it can have written"
-                                    : "is not sound RTPS");
+            log_dropped(size, fault);
         }
     }
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <optional>
 
+#include "common/bus/guard/security_message.hpp"
+
 namespace eti::bus {
 
 namespace {
-
-using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t header_size = 20, submessage_header_size = 4;
 
@@ -30,54 +30,6 @@ enum Kind : std::uint8_t {
 };
 constexpr std::uint8_t little_endian = 0x01, inline_qos = 0x02, no_timestamp = 0x02;
 
-/// Reads a submessage's numbers in its byte order. Past the end it reads zeros, and whole() is false from
-/// then on.
-class Reader {
-  public:
-    Reader(Bytes bytes, bool little) : bytes_(bytes), little_(little) {}
-
-    std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
-    std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
-    /// A sequence number: high word first, whatever the byte order.
-    std::int64_t sequence_number() {
-        const auto high = static_cast<std::int32_t>(u32());
-        return (static_cast<std::int64_t>(high) << 32) | u32();
-    }
-    template <std::size_t Size>
-    std::array<std::uint8_t, Size> octets() {
-        std::array<std::uint8_t, Size> out{};
-        if (take(Size)) {
-            std::ranges::copy(bytes_.subspan(at_ - Size, Size), out.begin());
-        }
-        return out;
-    }
-    void skip(std::size_t count) { (void)take(count); }
-    [[nodiscard]] Bytes rest() const { return bytes_.subspan(at_); }
-    [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
-    [[nodiscard]] bool whole() const { return whole_; }
-
-  private:
-    bool take(std::size_t count) {
-        whole_ = whole_ && count <= left();
-        at_ += whole_ ? count : 0;
-        return whole_;
-    }
-    std::uint64_t number(std::size_t size) {
-        std::uint64_t value = 0;
-        if (take(size)) {
-            for (std::size_t i = 0; i < size; ++i) {
-                value |= static_cast<std::uint64_t>(bytes_[at_ - size + i])
-                         << (8 * (little_ ? i : size - 1 - i));
-            }
-        }
-        return value;
-    }
-
-    Bytes bytes_;
-    std::size_t at_ = 0;
-    bool little_, whole_ = true;
-};
-
 bool plausible(std::int64_t number) {
     return number >= 1 && number <= max_sequence_number;
 }
@@ -92,20 +44,38 @@ bool skip_bitmap(Reader& in) {
     return in.whole();
 }
 
-/// Parameters up to the sentinel.
-bool skip_parameter_list(Reader& in) {
+/// Parameters up to the sentinel. `is_valid` receives each parameter's identifier and content.
+template <class Check>
+bool read_parameter_list(Reader& in, const Check& is_valid) {
     constexpr std::uint16_t sentinel = 1;
     while (in.whole()) {
         const std::uint16_t id = in.u16(), length = in.u16();
         if (id == sentinel) {
             return in.whole();
         }
-        if (length % 4 != 0) {
+        if (length % 4 != 0 || length > in.left() || !is_valid(id, in.rest().first(length))) {
             return false;
         }
         in.skip(length);
     }
     return false;
+}
+
+bool skip_parameter_list(Reader& in) {
+    return read_parameter_list(in, [](std::uint16_t, Bytes) { return true; });
+}
+
+/// Discovery data. The library allocates as many elements as a token or a type description counts, before it
+/// reads them.
+bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
+    constexpr std::uint16_t type_identifier = 0x69, type_object = 0x72, type_information = 0x75;
+    constexpr std::uint16_t identity_token = 0x1001, permissions_token = 0x1002;
+    return read_parameter_list(in, [&](std::uint16_t id, Bytes content) {
+        if (id == type_identifier || id == type_object || id == type_information) {
+            written.type_descriptions.push_back(content);
+        }
+        return (id != identity_token && id != permissions_token) || is_valid_token(content, little);
+    });
 }
 
 /// The part that data and fragments share, up to the payload. `fixed`: size of what precedes the inline QoS.
@@ -143,6 +113,9 @@ bool is_valid_data(Reader& in, std::uint8_t flags, WriterSubmessage& written) {
     if (in.left() < 4) {
         return false;
     }
+    if (written.writer.entity == stateless_message_writer) {
+        return (flags & with_data) != 0 && is_valid_stateless_message(in.rest());
+    }
     if (!is_discovery(reader, written.writer.entity) || (flags & with_data) == 0) {
         return true;
     }
@@ -152,24 +125,34 @@ bool is_valid_data(Reader& in, std::uint8_t flags, WriterSubmessage& written) {
         return false;
     }
     Reader parameters(in.rest(), little);
-    return skip_parameter_list(parameters);
+    return is_valid_announcement(parameters, little, written);
 }
 
 bool is_valid_fragments(Reader& in, std::uint8_t flags, WriterSubmessage& written) {
+    constexpr std::uint8_t with_key = 0x04, not_standard = 0x08;
     in.skip(2);
     const std::uint16_t to_inline = in.u16();
     in.skip(4);  // reader
     written.writer.entity = in.octets<4>();
     const std::int64_t number = in.sequence_number();
-    const std::uint64_t first = in.u32(), count = in.u16(), size = in.u16(), whole = in.u32();
-    if (!plausible(number) || first == 0 || count == 0 || size == 0 || whole == 0 ||
-        whole > max_sample_bytes || first - 1 + count > (whole + size - 1) / size ||
-        !skip_to_payload(in, flags, to_inline, 28)) {
+    const std::uint32_t first = in.u32();
+    const std::uint16_t count = in.u16(), size = in.u16();
+    const std::uint32_t whole = in.u32();
+    // The library copies the key's fragments from a null pointer, and writes numbers at every multiple of
+    // four bytes in the sample that follows the start of a missing fragment.
+    if ((flags & (with_key | not_standard)) != 0 || !plausible(number) || first == 0 || count == 0 ||
+        size < min_fragment_bytes || size % 4 != 0 || whole == 0 || whole > max_sample_bytes) {
         return false;
     }
     // The library copies as many bytes as the fragment numbers imply.
-    const std::uint64_t from = (first - 1) * size, to = std::min(from + count * size, whole);
-    return in.left() >= to - from;
+    const std::uint64_t from = std::uint64_t{first - 1} * size;
+    const std::uint64_t to = std::min<std::uint64_t>(from + std::uint64_t{count} * size, whole);
+    if (from >= whole || first - 1 + std::uint64_t{count} > (std::uint64_t{whole} + size - 1) / size ||
+        !skip_to_payload(in, flags, to_inline, 28) || in.left() < to - from) {
+        return false;
+    }
+    written.fragments = Fragments{number, first, count, size, whole, in.rest().first(to - from)};
+    return true;
 }
 
 bool is_valid_heartbeat(Reader& in, WriterSubmessage& written) {
@@ -225,7 +208,8 @@ bool is_valid_heartbeat_fragment(Reader& in, WriterSubmessage& written) {
 bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content,
               const std::array<std::uint8_t, 12>& participant, std::optional<WriterSubmessage>& written) {
     Reader in(content, (flags & little_endian) != 0);
-    WriterSubmessage from{{participant, {}}, 0};
+    WriterSubmessage from;
+    from.writer.participant = participant;
     const auto of_writer = [&](bool is_sound) {
         written = from;
         return is_sound;

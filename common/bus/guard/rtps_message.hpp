@@ -5,7 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <span>
+#include <optional>
+#include <vector>
+
+#include "common/bus/guard/reader.hpp"
 
 namespace eti::bus {
 
@@ -17,20 +20,35 @@ struct WriterId {
     auto operator<=>(const WriterId&) const = default;
 };
 
+/// Consecutive fragments of one sample.
+struct Fragments {
+    std::int64_t sequence_number = 0;
+    std::uint32_t first = 0;  ///< from 1
+    std::uint16_t count = 0;
+    std::uint16_t size = 0;    ///< [bytes] of each but the last
+    std::uint32_t sample = 0;  ///< [bytes] of the whole sample
+    Bytes payload;             ///< in the datagram
+};
+
 /// A submessage that a writer sends.
 struct WriterSubmessage {
     WriterId writer;
     /// For a heartbeat or a gap: the sequence number to which it advances the writer's readers. Otherwise 0.
     std::int64_t up_to = 0;
+    std::optional<Fragments> fragments;  ///< of a sample sent in fragments
+    /// Contents of those discovery parameters that describe a type, in the datagram.
+    std::vector<Bytes> type_descriptions;
 };
 
 /// Whether a datagram is safe for the library: RTPS 2.x (OMG DDSI-RTPS 2.5, chapter 9.4) with complete
 /// submessages, each of the length that its content needs, and plausible sequence numbers. Fast DDS 2.9.1
-/// ends the process on a statistics submessage that is not the last. It also loops over any range that a
-/// heartbeat, a gap or an acknowledgement names. Secured submessages are left to the security plug-in.
+/// ends the process on a statistics submessage that is not the last and on fragments of a key. It also loops
+/// over any range that a heartbeat, a gap or an acknowledgement names, and allocates as many elements as an
+/// identity token or a handshake message counts. Secured submessages are left to the security plug-in.
+/// Fragments are checked one by one; FragmentGuard compares those of one sample.
 /// `refused` is called for every submessage that a writer sends; if it returns true, the whole datagram is
 /// rejected.
-[[nodiscard]] bool is_well_formed(std::span<const std::uint8_t> datagram,
+[[nodiscard]] bool is_well_formed(Bytes datagram,
                                   const std::function<bool(const WriterSubmessage&)>& refused = {});
 
 /// Maximum range of a heartbeat or a gap, and of an acknowledgement's bitmap [samples]; a session's histories
@@ -40,5 +58,7 @@ inline constexpr std::int64_t max_sequence_range = 1 << 16;
 inline constexpr std::int64_t max_sequence_number = std::int64_t{1} << 40;
 /// Largest fragmented message [bytes]; a scene's largest object has 1 MB.
 inline constexpr std::uint32_t max_sample_bytes = 16u << 20;
+/// Smallest fragment [bytes]; those of a session fill datagrams of 1400.
+inline constexpr std::uint16_t min_fragment_bytes = 64;
 
 }  // namespace eti::bus

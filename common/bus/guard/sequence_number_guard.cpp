@@ -6,11 +6,12 @@
 
 namespace eti::bus {
 
-bool SequenceNumberGuard::plausible(const WriterId& writer, std::int64_t number, Clock::time_point now) {
+bool SequenceNumberGuard::plausible(const WriterId& writer, std::int64_t number, bool from_owner,
+                                    Clock::time_point now) {
     const std::lock_guard lock(mutex_);
     const auto known = writers_.find(writer);
     if (known == writers_.end()) {
-        if (number > first) {
+        if (number > (from_owner ? max_first_of_owner : max_first)) {
             return false;
         }
         if (writers_.size() >= max_writers) {

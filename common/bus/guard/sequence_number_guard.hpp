@@ -20,13 +20,15 @@ class SequenceNumberGuard {
     using Clock = std::chrono::steady_clock;
 
     /// Whether the writer may have reached this number by now; if so, it is recorded. Smaller numbers are
-    /// always plausible.
-    [[nodiscard]] bool plausible(const WriterId& writer, std::int64_t number,
+    /// always plausible. `from_owner`: the writer belongs to the session's server.
+    [[nodiscard]] bool plausible(const WriterId& writer, std::int64_t number, bool from_owner,
                                  Clock::time_point now = Clock::now());
 
-    /// Largest number of a writer heard for the first time. The busiest permanent topic of a session, its
-    /// status, reaches it in 39 days. A reader counts to it in 17 s.
-    static constexpr std::int64_t first = std::int64_t{1} << 25;
+    /// Largest number of a writer heard for the first time; a reader counts to it in 33 ms.
+    static constexpr std::int64_t max_first = max_sequence_range;
+    /// Likewise of the server, which may have run for long: its status, the busiest permanent topic, reaches
+    /// it in 39 days. A reader counts to it in 17 s.
+    static constexpr std::int64_t max_first_of_owner = std::int64_t{1} << 25;
     /// [samples/s]; a hundred times the long-term rate of the busiest reliable topic.
     static constexpr std::int64_t per_second = 1000;
     /// [samples], at once.

@@ -23,6 +23,47 @@ import support
 
 DEADLY = (b"RTPS\x02\x03\x01\x0f" + bytes(range(1, 13)) + b"\x80\x01" + struct.pack("<H", 56) + bytes(56) +
           b"\x01\x01\x00\x00")  # a statistics submessage that is not the last
+
+
+def submessage(kind, flags, body):
+    return struct.pack("<BBH", kind, flags | 1, len(body)) + body
+
+
+def parameter(identifier, value):
+    return struct.pack("<HH", identifier, len(value)) + value
+
+
+def data(reader, writer, payload):
+    return submessage(0x15, 4, struct.pack("<HH", 0, 16) + reader + writer + struct.pack("<iI", 0, 1) + payload)
+
+
+def key_fragments():
+    """216 bytes: a participant announces itself, and sends two fragments of one sample, the second of its key."""
+    prefix = b"\x01\x0f" + random.randbytes(10)
+    entities = b"\x00\x01\x00\xc7", b"\x00\x01\x00\xc2"
+    nowhere = struct.pack("<iI", 1, 9) + bytes(12) + socket.inet_aton("127.0.0.1")
+    announcement = (b"\x00\x03\x00\x00" + parameter(0x15, b"\x02\x03\x00\x00") +
+                    parameter(0x50, prefix + b"\x00\x00\x01\xc1") + parameter(0x32, nowhere) +
+                    parameter(0x58, struct.pack("<I", 0xc3f)) + parameter(0x02, struct.pack("<iI", 10, 0)) +
+                    parameter(0x16, b"\x01\x0f\x00\x00") + parameter(1, b""))
+    out = b"RTPS\x02\x03\x01\x0f" + prefix + data(*entities, announcement)
+    for first, flags in ((1, 0), (2, 4)):
+        out += submessage(0x16, flags, struct.pack("<HH", 0, 28) + b"".join(entities) +
+                          struct.pack("<iIIHHI", 0, 2, first, 1, 1, 2) + bytes(4))
+    return out
+
+
+def huge_handshake(announcement):
+    """(introduction, handshake) of a stranger who repeats a secured program's announcement as its own; the handshake
+    counts 2^32 - 1 parts, and has none."""
+    victim, prefix = announcement[8:20], b"\x01\x0f" + random.randbytes(10)
+    identity = prefix + b"\x00\x02\x01\xc3" + struct.pack("<q", 1)
+    message = (b"\x00\x01\x00\x00" + identity + bytes(24) + victim + b"\x00\x00\x01\xc1" + bytes(32) +
+               struct.pack("<I", 13) + b"dds.sec.auth\x00\x00\x00\x00" + b"\xff" * 4)
+    entities = b"\x00\x02\x01\xc4", b"\x00\x02\x01\xc3"
+    return announcement.replace(victim, prefix), b"RTPS\x02\x03\x01\x0f" + prefix + data(*entities, message)
+
+
 PAUSE = 2000             # datagrams, after which the receivers get time to catch up
 PACE = 40_000            # a second
 INTERESTING = (0, 1, 4, 0x7f, 0x80, 0xfe, 0xff)

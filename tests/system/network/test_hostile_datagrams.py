@@ -2,13 +2,26 @@
 # Copyright the NeoETI authors
 """Malformed datagrams against the real programs over loopback UDP."""
 
+import shutil
 import socket
+import subprocess
+import sys
+import time
 import unittest
 
 import hostile_datagrams as hostile
 import support
 
 MUTANTS = 100_000
+
+
+def send_to_all(datagram):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for port in hostile.ports_of(support.DOMAIN):
+            try:
+                sender.sendto(datagram, ("127.0.0.1", port))
+            except OSError:
+                pass  # no listener there
 
 
 class HostileDatagrams(support.Case):
@@ -32,15 +45,11 @@ class HostileDatagrams(support.Case):
         for role, process in self.session.running.items():
             self.assertEqual(process.returncode, 0, f"{role}: {self.session.log(role)[-800:]}")
 
-    def test_datagram_that_crashes_the_library(self):
+    def test_datagrams_that_crash_the_library(self):
         self.session.wait_for("haptics", "device 'simulated'")
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-            for port in hostile.ports_of(support.DOMAIN):
-                for _ in range(3):
-                    try:
-                        sender.sendto(hostile.DEADLY, ("127.0.0.1", port))
-                    except OSError:
-                        pass  # no listener there
+        for _ in range(3):
+            send_to_all(hostile.DEADLY)
+            send_to_all(hostile.key_fragments())
         self.session.wait_for("server", "is not sound RTPS was dropped")
         self.assert_lives()
 
@@ -63,6 +72,28 @@ class HostileDatagrams(support.Case):
         for role in self.session.running:
             lines = self.session.log(role).count("\n")
             self.assertLess(lines, 500, f"{role} wrote {lines} lines")
+
+
+@unittest.skipUnless(shutil.which("openssl"), "openssl is missing, which makes identities; run deploy/setup.sh")
+class HostileHandshakes(support.Programs):
+    def test_handshake_that_counts_too_much(self):
+        lab = self.folder / "lab"
+        subprocess.run([sys.executable, "-B", support.ROOT / "deploy/security/make_lab.py", "--out", lab], check=True,
+                       stdout=subprocess.DEVNULL)
+        try:
+            tap = hostile.Tap(support.DOMAIN)
+        except PermissionError:
+            self.skipTest("reading the loopback interface wants root or CAP_NET_RAW")
+        self.start_server("--identity", lab / "server")
+        announcement = next(payload for _, _, payload in tap.capture(3000, 10) if b"DDS:Auth" in payload)
+        introduction, handshake = hostile.huge_handshake(announcement)
+        send_to_all(introduction)
+        time.sleep(0.5)  # the library creates the stranger's endpoints
+        send_to_all(handshake)
+        self.wait_for("server", "is not sound RTPS was dropped")
+        listed = support.run("eti-controller", "--list", *self.bus, "--identity", lab / "instructor")
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.stop("server")
 
 
 if __name__ == "__main__":

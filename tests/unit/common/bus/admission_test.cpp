@@ -14,7 +14,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-constexpr ParticipantId a{1}, b{2}, stranger{9};
+constexpr ParticipantId a{1}, b{2}, stranger{9}, late{3};
 
 WriterId writer_of(const ParticipantId& participant, std::uint8_t number) {
     return {participant, {0, 0, number, 3}};
@@ -113,6 +113,17 @@ TEST(Admission, ReleasedTopicAcceptsNextWriterImmediately) {
     server.on_discovered(writer_of(b, 1), topics::tube_pose.name);
     EXPECT_FALSE(server.rejects(writer_of(b, 1)));
     EXPECT_TRUE(server.rejects(writer_of(a, 1)));
+}
+
+TEST(Admission, ServerIsHeardAmongManyStrangers) {
+    Admission admission(false);
+    for (std::uint8_t i = 0; i < 250; ++i) {
+        admission.on_discovered({1, i}, "", false);
+        admission.on_discovered({2, i}, "", false);
+    }
+    EXPECT_THAT(admission.take_log_lines(), testing::ElementsAre(HasSubstr("only servers are listened to")));
+    admission.on_discovered(late, "'eti-server' host:1", true);
+    EXPECT_EQ(admission.owner(), late);
 }
 
 TEST(Admission, WritersBeyondTheCapacityAreRefused) {

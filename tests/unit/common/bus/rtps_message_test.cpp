@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <vector>
 
+#include "common/bus/guard/security_message.hpp"
 #include "common/math/random.hpp"
 
 namespace eti::bus {
@@ -62,8 +63,8 @@ class Message {
         return zeros(4 * ((bits + 31) / 32)).u32(1);
     }
     Message& fragment(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t whole,
-                      std::uint32_t payload) {
-        submessage(0x16, 32 + payload)
+                      std::uint32_t payload, int flags = 1) {
+        submessage(0x16, 32 + payload, flags)
             .u16(0)
             .u16(28)
             .reader()
@@ -127,6 +128,23 @@ TEST(RtpsMessage, FragmentsOutsideTheirSampleAreRefused) {
     EXPECT_FALSE(Message().fragment(1, 2, 100, 150, 100).passes()) << "fewer bytes than fragments";
     EXPECT_FALSE(Message().fragment(1, 1, 0, 150, 100).passes());
     EXPECT_FALSE(Message().fragment(1, 1, 100, max_sample_bytes + 1, 100).passes());
+    EXPECT_FALSE(Message().fragment(0xffffffff, 1, 64, 64, 64).passes());
+}
+
+// A datagram of 216 bytes with the second of these ended any program with Fast DDS 2.9.1: it copies from a
+// null pointer (MessageReceiver::proc_Submsg_DataFrag).
+TEST(RtpsMessage, FragmentsOfKeyAreRefused) {
+    EXPECT_TRUE(Message().fragment(1, 1, 64, 128, 64).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 64, 128, 64).fragment(2, 1, 64, 128, 64, 1 | 4).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 64, 128, 64, 1 | 8).passes()) << "a payload of its own kind";
+}
+
+// The library keeps its list of missing fragments inside the sample, at the first multiple of four bytes of
+// each fragment (CacheChange_t::next_fragment_pointer).
+TEST(RtpsMessage, FragmentsWithoutRoomForTheListAreRefused) {
+    EXPECT_FALSE(Message().fragment(1, 1, 1, 2, 4).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 60, 128, 60).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 66, 128, 66).passes());
 }
 
 TEST(RtpsMessage, NonRtpsDatagramIsRefused) {
@@ -155,6 +173,67 @@ TEST(RtpsMessage, DiscoveryParameterListMustBeTerminated) {
     EXPECT_FALSE(announcement({0x15, 0, 200, 0, 2, 3, 0, 0, 1, 0, 0, 0})) << "beyond the end";
 }
 
+/// A handshake message of one holder with one property and one binary property (DDS Security 1.1, 7.4.5).
+std::vector<std::uint8_t> handshake(std::uint32_t holders, std::uint32_t properties, std::uint32_t octets) {
+    Message content;
+    content.put({0, 1, 0, 0}).zeros(2 * 24 + 3 * 16);
+    content.u32(5).put({'a', 'u', 't', 'h', 0, 0, 0, 0}).u32(holders);
+    content.u32(4).put({'r', 'e', 'q', 0}).u32(properties);
+    content.u32(2).put({'a', 0, 0, 0}).u32(2).put({'b', 0, 0, 0});
+    content.u32(1).u32(2).put({'c', 0, 0, 0}).u32(octets).put({1, 2, 3});
+    return {content.bytes().begin() + 20, content.bytes().end()};
+}
+
+// 168 bytes that abort a secured program with Fast DDS 2.9.1, which allocates what a message counts.
+TEST(RtpsMessage, HandshakeThatCountsTooMuchIsRefused) {
+    EXPECT_TRUE(is_valid_stateless_message(handshake(1, 1, 3)));
+    EXPECT_FALSE(is_valid_stateless_message(handshake(0xffffffff, 1, 3)));
+    EXPECT_FALSE(is_valid_stateless_message(handshake(2, 1, 3))) << "the second is missing";
+    EXPECT_FALSE(is_valid_stateless_message(handshake(1, 0x10000, 3)));
+    EXPECT_FALSE(is_valid_stateless_message(handshake(1, 1, 0xfffffffc)));
+    const auto sent = [](const std::vector<std::uint8_t>& content) {
+        Message message;
+        message.submessage(0x15, static_cast<std::uint32_t>(20 + content.size()), 5).u16(0).u16(16);
+        message.put({0, 2, 1, 0xc4}).put({0, 2, 1, 0xc3}).number(1);
+        for (const std::uint8_t byte : content) {
+            message.put({byte});
+        }
+        return message.passes();
+    };
+    EXPECT_TRUE(sent(handshake(1, 1, 3)));
+    EXPECT_FALSE(sent(handshake(0xffffffff, 1, 3)));
+}
+
+/// An announcement of a participant with one parameter.
+Message announcement_with(std::uint32_t parameter, std::initializer_list<int> content) {
+    Message message;
+    const auto length = static_cast<std::uint32_t>(content.size());
+    message.submessage(0x15, 20 + 4 + 4 + length + 4, 5).u16(0).u16(16);
+    message.put({0, 1, 0, 0xc7}).put({0, 1, 0, 0xc2}).number(1).put({0, 3, 0, 0});
+    return message.u16(parameter).u16(length).put(content).u32(1);
+}
+
+TEST(RtpsMessage, TokenThatCountsTooMuchIsRefused) {
+    const auto with_properties = [](int count) {
+        return announcement_with(0x1001, {2, 0, 0, 0, 'a', 0, 0, 0, count, 0, 0, 0, 0, 0, 0, 0}).passes();
+    };
+    EXPECT_TRUE(with_properties(0));
+    EXPECT_FALSE(with_properties(1)) << "none follows";
+    EXPECT_FALSE(with_properties(255));
+}
+
+TEST(RtpsMessage, TypeDescriptionsAreReported) {
+    const Message message = announcement_with(0x75, {1, 2, 3, 4, 5, 6, 7, 8});
+    std::vector<Bytes> found;
+    EXPECT_TRUE(is_well_formed(message.bytes(), [&](const WriterSubmessage& written) {
+        found = written.type_descriptions;
+        return false;
+    }));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].size(), 8u);
+    EXPECT_EQ(found[0].data() - message.bytes().data(), 20 + 4 + 20 + 4 + 4);
+}
+
 TEST(RtpsMessage, DatagramFromRejectedWriterIsDropped) {
     const auto message = Message().acknack(1).data().bytes();
     const WriterId writer{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, {0, 0, 1, 3}};
@@ -179,7 +258,7 @@ TEST(RtpsMessage, HeartbeatsAndGapsReportTheirHighestNumber) {
 // With the address sanitizer this detects any read beyond the datagram.
 TEST(RtpsMessage, MutatedDatagramsAreNotReadOutOfBounds) {
     const auto whole =
-        Message().data().heartbeat(1, 5).gap(3, 9, 40).acknack(2, 33).fragment(1, 1, 90, 150, 90).bytes();
+        Message().data().heartbeat(1, 5).gap(3, 9, 40).acknack(2, 33).fragment(1, 1, 92, 150, 92).bytes();
     Random random(18);
     std::size_t passed = 0;
     for (int i = 0; i < 100'000; ++i) {

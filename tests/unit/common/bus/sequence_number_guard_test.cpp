@@ -41,7 +41,7 @@ std::vector<std::uint8_t> deadly() {
 
 bool refused(SequenceNumberGuard& reached, const std::vector<std::uint8_t>& datagram) {
     return !is_well_formed(datagram, [&](const WriterSubmessage& written) {
-        return written.up_to > 0 && !reached.plausible(written.writer, written.up_to, start);
+        return written.up_to > 0 && !reached.plausible(written.writer, written.up_to, true, start);
     });
 }
 
@@ -50,20 +50,28 @@ TEST(SequenceNumberGuard, HugeHeartbeatThatHungProgramsIsRefused) {
     SequenceNumberGuard fresh;
     EXPECT_TRUE(refused(fresh, deadly())) << "as the first of its writer";
     SequenceNumberGuard reached;
-    ASSERT_TRUE(reached.plausible(numbered_writer(20), 33, start));
+    ASSERT_TRUE(reached.plausible(numbered_writer(20), 33, true, start));
     EXPECT_TRUE(refused(reached, deadly()));
-    EXPECT_TRUE(reached.plausible(numbered_writer(20), 34, start)) << "its writer is heard on";
+    EXPECT_TRUE(reached.plausible(numbered_writer(20), 34, true, start)) << "its writer is heard on";
+}
+
+TEST(SequenceNumberGuard, OnlyTheServerMayStartFarOn) {
+    SequenceNumberGuard reached;
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), max_sequence_range, false, start));
+    EXPECT_FALSE(reached.plausible(numbered_writer(2), max_sequence_range + 1, false, start));
+    EXPECT_TRUE(reached.plausible(numbered_writer(3), max_sequence_range + 1, true, start));
 }
 
 TEST(SequenceNumberGuard, LongSilenceDoesNotBlockWriter) {
     SequenceNumberGuard reached;
-    EXPECT_TRUE(reached.plausible(numbered_writer(1), 20'000'000, start)) << "a server that has run for long";
-    EXPECT_TRUE(reached.plausible(numbered_writer(1), 19'999'990, start)) << "a repair";
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), 20'000'000, true, start))
+        << "a server that has run for long";
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), 19'999'990, true, start)) << "a repair";
     // 100 a second; received again after two days.
-    EXPECT_TRUE(reached.plausible(numbered_writer(1), 20'000'000 + 48 * 3600 * 100, start + 48h));
+    EXPECT_TRUE(reached.plausible(numbered_writer(1), 20'000'000 + 48 * 3600 * 100, true, start + 48h));
     // 900 a second, a heartbeat each.
     for (int i = 1; i < 900 * 600; ++i) {
-        ASSERT_TRUE(reached.plausible(numbered_writer(2), i, start + i * 1'000'000us / 900));
+        ASSERT_TRUE(reached.plausible(numbered_writer(2), i, true, start + i * 1'000'000us / 900));
     }
 }
 
@@ -72,11 +80,11 @@ TEST(SequenceNumberGuard, LongSilenceDoesNotBlockWriter) {
 TEST(SequenceNumberGuard, ForgedStepsAreRateLimited) {
     SequenceNumberGuard reached;
     std::int64_t number = 1;
-    ASSERT_TRUE(reached.plausible(numbered_writer(3), number, start));
+    ASSERT_TRUE(reached.plausible(numbered_writer(3), number, true, start));
     for (int i = 0; i < 100'000; ++i) {
         for (const std::int64_t step :
              {std::int64_t{1} << 30, max_sequence_range, std::int64_t{1000}, std::int64_t{1}}) {
-            if (reached.plausible(numbered_writer(3), number + step, start + i * 100us)) {
+            if (reached.plausible(numbered_writer(3), number + step, true, start + i * 100us)) {
                 number += step;
             }
         }
@@ -87,15 +95,15 @@ TEST(SequenceNumberGuard, ForgedStepsAreRateLimited) {
 
 TEST(SequenceNumberGuard, ForgedWritersDoNotEvictActiveWriter) {
     SequenceNumberGuard reached;
-    ASSERT_TRUE(reached.plausible(numbered_writer(4), 5, start));
+    ASSERT_TRUE(reached.plausible(numbered_writer(4), 5, true, start));
     for (std::uint32_t i = 0; i < 3 * SequenceNumberGuard::max_writers; ++i) {
         WriterId invented = numbered_writer(5);
         invented.participant[4] = static_cast<std::uint8_t>(i);
         invented.participant[5] = static_cast<std::uint8_t>(i >> 8);
-        ASSERT_TRUE(reached.plausible(invented, 1, start + i * 1ms));
-        ASSERT_TRUE(reached.plausible(numbered_writer(4), 5, start + i * 1ms));
+        ASSERT_TRUE(reached.plausible(invented, 1, false, start + i * 1ms));
+        ASSERT_TRUE(reached.plausible(numbered_writer(4), 5, true, start + i * 1ms));
     }
-    EXPECT_FALSE(reached.plausible(numbered_writer(4), 10'000'000, start + 13s))
+    EXPECT_FALSE(reached.plausible(numbered_writer(4), 10'000'000, true, start + 13s))
         << "it has not been forgotten";
 }
 

@@ -454,6 +454,31 @@ TEST_F(EngagedRenderer, WithoutTorqueTheGumIsFeltAtTheGimbal) {
     EXPECT_EQ(wrench.torque.norm(), 0.0f);
 }
 
+// A tongue presses the tip with 6 N, and the gum is touched in every other message with next to no load: with
+// the whole lever at each touch, the force turned around in every message, and 6 N came within 10 ms.
+TEST_F(EngagedRenderer, WithoutTorqueLightTouchesAreNotFelt) {
+    settings_.torque = false;
+    settings_.gimbal = {0, 0.06f, 0};
+    settings_.passivity.on = false;
+    renderer_ = ForceRenderer(settings_);
+    SetUp();
+    scene_.tissue.wrench.force = {0, 0, 6.0f};
+    scene_.proxy.normals[0] = Vec3f::UnitZ();
+    scene_.proxy.contact_centre = {0, 0.03f, 0};
+    Vec3f last = Vec3f::Zero();
+    for (int i = 0; i < settled + 200; ++i) {
+        scene_.proxy.contacts = i / 5 % 2 == 0 ? 1 : 0;
+        scene_.proxy.proxy.pose.translation = {0, 0, scene_.proxy.contacts > 0 ? 1e-5f : 0.0f};
+        const Vec3f force = cycle().force;
+        if (i >= settled) {
+            // 10 um of the coupling's 800 N/m, at most twice.
+            EXPECT_LT((force - last).norm(), 2.0f * 800.0f * 1e-5f + 1e-3f) << i;
+            EXPECT_GT(force.z(), 5.9f);
+        }
+        last = force;
+    }
+}
+
 TEST_F(EngagedRenderer, SilentTissueFadesIndependently) {
     scene_.tissue.wrench.force = {2.0f, 0, 0};
     scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
