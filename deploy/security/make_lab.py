@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Creates a lab's certificate authority and, for each requested role, a folder with an identity for --identity.
+"""Creates a lab's two authorities and, for each requested role, a folder with an identity for --identity.
 
-Run again with the same folder, it adds roles to the lab with the same authority; existing identities are kept unless
+One authority says who somebody is, the other one what he may do: with a single one, the key of any identity could sign
+permissions. Run again with the same folder, this adds roles to the lab with the same authorities; existing identities are kept unless
 --renew is given.
 """
 
@@ -49,6 +50,7 @@ subjectKeyIdentifier = hash
 [identity]
 basicConstraints = critical,CA:FALSE
 keyUsage = critical,digitalSignature,keyAgreement
+extendedKeyUsage = critical,clientAuth,serverAuth
 subjectKeyIdentifier = hash
 authorityKeyIdentifier = keyid
 [req]
@@ -74,50 +76,67 @@ def make_key(file):
         out.write(openssl("genpkey", "-algorithm", "EC", "-pkeyopt", "ec_paramgen_curve:P-256"))
 
 
+class Authority:
+    """A certificate and the key that signs with it."""
+
+    def __init__(self, folder, name):
+        self.certificate = folder / f"{name}.pem"
+        self.key = folder / f"{name}.key"
+
+    def files(self):
+        return [file for file in (self.certificate, self.key) if file.exists()]
+
+
 class Lab:
     def __init__(self, folder):
         self.folder = Path(folder)
         self.own = self.folder / "authority"  # keep it separate: its owner can create any identity
-        self.certificate = self.own / "ca.pem"
-        self.key = self.own / "ca.key"
+        self.identities = Authority(self.own, "ca")
+        self.permissions = Authority(self.own, "permissions_ca")
         self.configuration = self.own / "openssl.cnf"
 
-    def make_authority(self, valid_from):
-        """Creates the lab's authority if it does not exist; returns whether it is new."""
-        there = [file for file in (self.certificate, self.key) if file.exists()]
-        if len(there) == 2:
+    def make_authorities(self, valid_from):
+        """Creates the lab's authorities if they do not exist; returns whether they are new."""
+        there = self.identities.files() + self.permissions.files()
+        if len(there) == 4:
             return False
+        if there == [self.identities.certificate, self.identities.key]:
+            raise LabError(f"{self.own} was made with one authority for identities and permissions: whoever has an "
+                           "identity of this lab can sign permissions. Make a new lab in another --out, and give its "
+                           "folders to every machine")
         if there:
-            raise LabError(f"{self.own} holds {there[0].name} alone; expected ca.pem and ca.key. Restore the other from "
-                           "where the authority is kept, or choose another --out for a new lab")
+            raise LabError(f"{self.own} holds {', '.join(file.name for file in there)} alone; expected ca.pem, ca.key, "
+                           "permissions_ca.pem and permissions_ca.key. Restore the others from where the authorities are "
+                           "kept, or choose another --out for a new lab")
         self.own.mkdir(parents=True, exist_ok=True, mode=0o700)
         (self.own / "issued").mkdir(exist_ok=True)
         (self.own / "issued.txt").touch()
-        self.configuration.write_text(CONFIGURATION.format(folder=self.own.absolute()))
-        make_key(self.key)
         begin = min(valid_from, datetime.now(timezone.utc)) - SLACK
-        # The authority's name identifies the lab.
-        self.issue(self.key, f"/O={ORGANISATION}/CN={ORGANISATION} {secrets.token_hex(4)}", begin,
-                   begin + timedelta(days=365 * AUTHORITY_YEARS), self.certificate, "authority")
+        # The authorities' name identifies the lab.
+        name = f"{ORGANISATION} {secrets.token_hex(4)}"
+        for authority, common_name in ((self.identities, name), (self.permissions, f"{name} permissions")):
+            make_key(authority.key)
+            self.issue(authority, authority.key, f"/O={ORGANISATION}/CN={common_name}", begin,
+                       begin + timedelta(days=365 * AUTHORITY_YEARS), authority.certificate, "authority")
         return True
 
-    def issue(self, key, subject, begin, end, file, extensions):
+    def issue(self, authority, key, subject, begin, end, file, extensions):
         self.configuration.write_text(CONFIGURATION.format(folder=self.own.absolute()))  # the lab may have been moved
-        signer = ["-selfsign"] if extensions == "authority" else ["-cert", self.certificate]
+        signer = ["-selfsign"] if extensions == "authority" else ["-cert", authority.certificate]
         with tempfile.TemporaryDirectory() as scratch:
             request = Path(scratch, "request.pem")
             openssl("req", "-new", "-config", self.configuration, "-key", key, "-subj", subject, "-out", request)
             openssl("ca", "-batch", "-notext", "-config", self.configuration, "-extensions", extensions, *signer,
-                    "-keyfile", self.key, "-startdate", f"{begin:%Y%m%d%H%M%SZ}", "-enddate", f"{end:%Y%m%d%H%M%SZ}",
-                    "-in", request, "-out", file)
+                    "-keyfile", authority.key, "-startdate", f"{begin:%Y%m%d%H%M%SZ}", "-enddate",
+                    f"{end:%Y%m%d%H%M%SZ}", "-in", request, "-out", file)
 
     def sign(self, text, file):
-        """Writes `text` as S/MIME with the authority's signature."""
+        """Writes `text` as S/MIME with the signature of the permissions' authority."""
         with tempfile.NamedTemporaryFile("w", suffix=".xml") as document:
             document.write(text)
             document.flush()
             openssl("smime", "-sign", "-text", "-md", "sha256", "-in", document.name, "-out", file, "-signer",
-                    self.certificate, "-inkey", self.key)
+                    self.permissions.certificate, "-inkey", self.permissions.key)
 
     def make_identity(self, role, name, begin, end, sessions, domains):
         """Creates DIR/NAME, complete or not at all."""
@@ -126,10 +145,10 @@ class Lab:
             made = Path(scratch, name)
             made.mkdir(mode=0o700)
             make_key(made / "key.pem")
-            self.issue(made / "key.pem", f"/O={ORGANISATION}/OU={role}/CN={name}", begin, end, made / "certificate.pem",
-                       "identity")
-            shutil.copyfile(self.certificate, made / "identity_ca.pem")
-            shutil.copyfile(self.certificate, made / "permissions_ca.pem")
+            self.issue(self.identities, made / "key.pem", f"/O={ORGANISATION}/OU={role}/CN={name}", begin, end,
+                       made / "certificate.pem", "identity")
+            shutil.copyfile(self.identities.certificate, made / "identity_ca.pem")
+            shutil.copyfile(self.permissions.certificate, made / "permissions_ca.pem")
             self.sign(roles.governance(self.authority_name()), made / "governance.p7s")
             subject = self.subject(made / "certificate.pem")
             # The certificate's own dates are decisive; those of permissions are read as local time.
@@ -149,7 +168,7 @@ class Lab:
         return line.strip().removeprefix("subject=")
 
     def authority_name(self):
-        return self.subject(self.certificate).split(",")[0].removeprefix("CN=")
+        return self.subject(self.identities.certificate).split(",")[0].removeprefix("CN=")
 
 
 def role_and_name(text):
@@ -212,8 +231,8 @@ def main(arguments=None):
             raise LabError("--role: two identities of one name; give each its own, as --role observer:observer-2")
         begin = options.begin or datetime.now(timezone.utc) - SLACK
         lab = Lab(options.out)
-        new = lab.make_authority(begin)
-        print(f"{'New' if new else 'Known'} authority '{lab.authority_name()}' in {lab.own}: keep this folder apart and "
+        new = lab.make_authorities(begin)
+        print(f"{'New' if new else 'Known'} authorities '{lab.authority_name()}' in {lab.own}: keep this folder apart and "
               "secret; no program needs it.")
         for role, name in wanted:
             place = lab.folder / name

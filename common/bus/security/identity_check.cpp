@@ -53,6 +53,16 @@ class Examination {
         const Certificate identity_authority = certificate("identity_ca.pem");
         const Certificate permissions_authority = certificate("permissions_ca.pem");
         const Certificate own = certificate("certificate.pem");
+        if (identity_authority && permissions_authority &&
+            X509_cmp(identity_authority.get(), permissions_authority.get()) == 0) {
+            check_.faults.push_back(
+                fmt::format("{}: is also the authority of identities, so that whoever has an identity of "
+                            "this lab could sign "
+                            "its own permissions; make the lab anew in an empty folder with "
+                            "deploy/security/make_lab.sh, and "
+                            "give its folders to every machine",
+                            (folder_ / "permissions_ca.pem").string()));
+        }
         check_certificate(own.get(), identity_authority.get());
         check_key(own.get());
         if (permissions_authority) {

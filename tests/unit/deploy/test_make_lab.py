@@ -91,7 +91,8 @@ class Lab(unittest.TestCase):
             self.assertEqual(os.stat(self.lab / role / "key.pem").st_mode & 0o777, 0o600)
             self.openssl("verify", "-CAfile", self.lab / role / "identity_ca.pem", self.lab / role / "certificate.pem")
         self.assertEqual(os.stat(self.lab / "authority").st_mode & 0o777, 0o700)
-        self.assertEqual(os.stat(self.lab / "authority/ca.key").st_mode & 0o777, 0o600)
+        for key in ("ca.key", "permissions_ca.key"):
+            self.assertEqual(os.stat(self.lab / "authority" / key).st_mode & 0o777, 0o600)
 
     def test_adding_roles_keeps_existing_identities(self):
         self.make("--role", "server")
@@ -166,7 +167,24 @@ class Lab(unittest.TestCase):
     def test_incomplete_authority_is_not_replaced(self):
         self.make("--role", "server")
         (self.lab / "authority/ca.key").unlink()
-        self.assertIn("holds ca.pem alone", self.make("--role", "tube", expect=1))
+        self.assertIn("holds ca.pem, permissions_ca.pem, permissions_ca.key alone", self.make("--role", "tube", expect=1))
+
+    def test_lab_with_one_authority_is_not_extended(self):
+        self.make("--role", "server")
+        for file in ("permissions_ca.pem", "permissions_ca.key"):
+            (self.lab / "authority" / file).unlink()
+        self.assertIn("can sign permissions. Make a new lab", self.make("--role", "tube", expect=1))
+
+    def test_identity_cannot_sign_permissions(self):
+        self.make("--role", "observer")
+        own = self.lab / "observer"
+        forged = self.lab / "forged.p7s"
+        self.openssl("smime", "-sign", "-text", "-in", own / "governance.p7s", "-out", forged, "-signer",
+                     own / "certificate.pem", "-inkey", own / "key.pem")
+        for authority in ("identity_ca.pem", "permissions_ca.pem"):
+            done = subprocess.run(["openssl", "smime", "-verify", "-in", forged, "-CAfile", own / authority],
+                                  capture_output=True, text=True)
+            self.assertNotEqual(done.returncode, 0, authority)
 
 
 if __name__ == "__main__":

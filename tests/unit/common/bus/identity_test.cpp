@@ -13,6 +13,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/bus/security/credentials.hpp"
 #include "common/bus/security/permit.hpp"
 #include "tests/support/bus_domain.hpp"
 #include "tests/support/eventually.hpp"
@@ -287,10 +288,11 @@ TEST_F(IdentityTest, WriterWithLooserGovernanceIsRefused) {
     const fs::path authority = labs_ / "lab/authority";
     const std::string command =
         "cd " + folder_.string() +
-        " && openssl smime -verify -text -in governance.p7s -CAfile identity_ca.pem" +
+        " && openssl smime -verify -text -in governance.p7s -CAfile permissions_ca.pem" +
         " -out g.xml 2>/dev/null && sed -i '/write_access_control/s/true/false/' g.xml" +
         " && openssl smime -sign -text -md sha256 -in g.xml -out governance.p7s -signer " +
-        (authority / "ca.pem").string() + " -inkey " + (authority / "ca.key").string();
+        (authority / "permissions_ca.pem").string() + " -inkey " +
+        (authority / "permissions_ca.key").string();
     ASSERT_EQ(std::system(command.c_str()), 0);
     Options as_server = test::bus_options("eti-server"), as_observer = test::bus_options("observer");
     Options as_instructor = test::bus_options("instructor");
@@ -315,6 +317,30 @@ TEST_F(IdentityTest, WriterWithLooserGovernanceIsRefused) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     EXPECT_FALSE(taken.take(command_message));
     EXPECT_EQ(taken.matched(), 1);
+}
+
+TEST_F(IdentityTest, LabWithOneAuthorityIsRefused) {
+    fs::copy_file(folder_ / "identity_ca.pem", folder_ / "permissions_ca.pem",
+                  fs::copy_options::overwrite_existing);
+    EXPECT_THAT(check().faults,
+                testing::Contains(AllOf(HasSubstr("sign its own permissions"), HasSubstr("make_lab.sh"))));
+}
+
+/// An observer signs the instructor's permissions for itself, with its own key. Where one authority vouched
+/// for identities and permissions, every program believed them. The library checks a peer's permissions by
+/// the same call as read_signed_text(): PKCS7_verify against the authority of permissions.
+TEST_F(IdentityTest, SelfSignedPermissionsAreNotBelieved) {
+    const std::string command =
+        "cd " + folder_.string() + " && openssl smime -verify -text -in " +
+        (labs_ / "lab/instructor/permissions.p7s").string() +
+        " -CAfile permissions_ca.pem -out p.xml 2>/dev/null && sed -i 's/CN=instructor,OU=instructor/" +
+        "CN=observer,OU=observer/' p.xml && openssl smime -sign -text -md sha256 -in p.xml" +
+        " -out permissions.p7s -signer certificate.pem -inkey key.pem";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    EXPECT_THAT(check().faults, ElementsAre(HasSubstr("its signature is not that of")));
+    const Certificate identities = read_certificate(folder_ / "identity_ca.pem");
+    EXPECT_THROW((void)read_signed_text(folder_ / "permissions.p7s", *identities), CredentialError)
+        << "an identity's certificate is not for signing documents";
 }
 
 TEST(PermitTest, ReadsStandardPermissions) {
