@@ -26,6 +26,8 @@ constexpr LiveMeasureField live_measure_rows[] = {
     {"tube_force_now", &LiveMeasures::tube_force_n, "force of the tube on the hand", "tube force", "N", "N",
      1.0f, 0.0f, 2.0f, none, none, peaks, optional,
      "force of the tube on the hand that holds it, mean over the step"},
+    {"tongue_force_now", &LiveMeasures::tongue_force_n, "force on the tongue", "tongue force", "N", "N", 1.0f,
+     0.0f, 10.0f, none, none, peaks, optional, "force on the tongue now"},
     {"epiglottis_in_sight", &LiveMeasures::epiglottis_in_sight, "epiglottis in sight", "", "", "", 1.0f, 0.0f,
      0.0f, none, none, latest, optional,
      "1 where the last look saw the epiglottis, for which it looked only with nothing of the opening in "

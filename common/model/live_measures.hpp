@@ -17,6 +17,7 @@ struct LiveMeasures {
     float glottic_opening_percent = 0.0f;
     float tube_depth_past_glottis = -1.0f;  ///< [m]
     float tube_force_n = 0.0f;
+    float tongue_force_n = missing;
     float epiglottis_in_sight = 0.0f;  ///< 0 or 1
     float oxygen_saturation_percent = missing;
     float heart_rate_per_min = missing;

@@ -85,6 +85,7 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
     live_.measures.gum_force_n = static_cast<float>(forces.gum);
     live_.measures.glottic_opening_percent = view.opening_percent;
     live_.measures.tube_force_n = snapshot.tube_force.norm();
+    live_.measures.tongue_force_n = static_cast<float>(forces.tongue);
     live_.measures.epiglottis_in_sight = view.epiglottis_seen ? 1.0f : 0.0f;
 
     const bool starts = blade == GateTracker::Change::in;
