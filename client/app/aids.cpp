@@ -146,9 +146,10 @@ std::vector<hud::Mark> aid_marks(const render::View& view, const render::Camera&
     }
     if (view.has(Overlay::gum_force) && scene.shows(&RuntimeParameters::view_gum_force)) {
         const Vec3f gum = scene.gum_contact().value_or(at(scene.landmarks(), Landmark::upper_gum));
-        const float force = scene.metrics()->gum_force_n();
+        const float force = scene.measures().gum_force_n;
         // The name of the nearby dot is on the right.
-        add(marks, projection, gum, gum, hud::gum_force_level(force), fmt::format("{:.1f} N", force), true);
+        add(marks, projection, gum, gum, hud::level_of(&LiveMeasures::gum_force_n, force),
+            fmt::format("{:.1f} N", force), true);
     }
     return marks;
 }

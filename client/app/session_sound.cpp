@@ -34,7 +34,7 @@ sound::Cue cue_of(const view::SceneView& scene, bool server_lost) {
     if (now.vital_signs) {
         cue.pulse = {now.vital_signs->oxygen_saturation_percent, now.vital_signs->heart_rate_per_min};
     }
-    cue.gum_pressed = hud::gum_force_level(now.gum_force_n) == hud::Level::bad;
+    cue.gum_pressed = hud::level_of(&LiveMeasures::gum_force_n, now.measures.gum_force_n) == hud::Level::bad;
     cue.suction = scene.live().suction > 0.5f;
     return cue;
 }

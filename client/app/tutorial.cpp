@@ -31,13 +31,13 @@ bool blade_is_in(const LessonState& sight) {
 }
 
 bool glottis_is_seen(const LessonState& sight) {
-    return sight.scene.metrics() && sight.scene.metrics()->glottic_opening_percent() >= seen_percent;
+    return sight.scene.measures().glottic_opening_percent >= seen_percent;
 }
 
 bool tube_is_in(const LessonState& sight) {
     const auto& metrics = sight.scene.metrics();
     return metrics && metrics->tube_place() == msg::TUBE_IN_TRACHEA &&
-           metrics->tube_depth_past_glottis() > tube_in;
+           sight.scene.measures().tube_depth_past_glottis > tube_in;
 }
 
 bool attempt_succeeded(const LessonState& sight) {

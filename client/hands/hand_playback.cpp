@@ -18,9 +18,8 @@ bool reached(const PlaybackStep& step, const view::SceneView& seen) {
     const bool waits = step.until_view_percent >= 0.0f || step.until_tube_depth >= 0.0f;
     return waits && seen.metrics() &&
            (step.until_view_percent < 0.0f ||
-            seen.metrics()->glottic_opening_percent() >= step.until_view_percent) &&
-           (step.until_tube_depth < 0.0f ||
-            seen.metrics()->tube_depth_past_glottis() >= step.until_tube_depth);
+            seen.measures().glottic_opening_percent >= step.until_view_percent) &&
+           (step.until_tube_depth < 0.0f || seen.measures().tube_depth_past_glottis >= step.until_tube_depth);
 }
 
 const std::vector<std::string_view>& view_names() {

@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@
 
 #include "client/hud/hud.hpp"
 #include "client/hud/text_box.hpp"
+#include "common/math/units.hpp"
 
 namespace eti::hud {
 namespace {
@@ -40,14 +42,17 @@ std::string tube_text(const Readout& readout) {
     if (!readout.airway_measured) {
         return "tube within unknown";
     }
-    return readout.tube_past_cords_cm > 0.0f
-               ? fmt::format("tube {:4.1f} cm past cords", readout.tube_past_cords_cm)
-               : std::string("tube before cords");
+    const float past_cords_cm = readout.measures.tube_depth_past_glottis / centimetre;
+    return past_cords_cm > 0.0f ? fmt::format("tube {:4.1f} cm past cords", past_cords_cm)
+                                : std::string("tube before cords");
 }
 
-/// A dash for values that a manikin does not measure.
-std::string measured_text(const Readout& readout, std::string known, std::string_view unknown) {
-    return readout.airway_measured ? std::move(known) : std::string(unknown);
+/// A live measure as text; `unknown` for one that a manikin does not measure or an older session file lacks.
+std::string measure_text(const Readout& readout, float LiveMeasures::*measure, std::string_view format,
+                         std::string_view unknown) {
+    const float value = readout.measures.*measure;
+    return readout.airway_measured && std::isfinite(value) ? fmt::format(fmt::runtime(format), value)
+                                                           : std::string(unknown);
 }
 
 std::string server_text(const Readout& readout) {
@@ -80,23 +85,21 @@ void Hud::draw_numbers(ImDrawList& list, const Readout& readout, const Tile& til
         list.AddText(small_, 13.0f, ImVec2(left, y), colour, text.c_str());
         y += 15.0f;
     };
-    line(measured_text(readout, fmt::format("gum force   {:5.1f} N", readout.gum_force_n),
-                       "gum force       -"),
+    line(measure_text(readout, &LiveMeasures::gum_force_n, "gum force   {:5.1f} N", "gum force       -"),
          white);
-    bar(list, ImVec2(left, y), column, readout.gum_force_n / gum_force_scale_n,
-        colour_of(gum_force_level(readout.gum_force_n)));
+    bar(list, ImVec2(left, y), column, readout.measures.gum_force_n / gum_force_scale_n,
+        colour_of(level_of(&LiveMeasures::gum_force_n, readout.measures.gum_force_n)));
     y += 13.0f;
-    line(measured_text(readout, fmt::format("glottis seen {:4.0f} %", readout.glottic_opening_percent),
-                       "glottis seen    -"),
+    line(measure_text(readout, &LiveMeasures::glottic_opening_percent, "glottis seen {:4.0f} %",
+                      "glottis seen    -"),
          white);
-    bar(list, ImVec2(left, y), column, readout.glottic_opening_percent / 100.0f, green);
+    bar(list, ImVec2(left, y), column, readout.measures.glottic_opening_percent / 100.0f, green);
     y += 13.0f;
     line(readout.blade_depth_cm > 0.0f ? fmt::format("blade depth {:5.1f} cm", readout.blade_depth_cm)
                                        : std::string("blade outside"),
          white);
     line(tube_text(readout), white);
-    line(measured_text(readout, fmt::format("tube force  {:5.2f} N", readout.tube_force_n),
-                       "tube force      -"),
+    line(measure_text(readout, &LiveMeasures::tube_force_n, "tube force  {:5.2f} N", "tube force      -"),
          white);
     line(server_text(readout), late(readout) ? amber : grey);
     draw_counts(list, readout, below);
@@ -107,16 +110,17 @@ void Hud::draw_strip(ImDrawList& list, const Readout& readout, Gap& gap) const {
     std::vector<std::pair<std::string, ImU32>> words{
         {clock_text(readout.time_s), white},
         {attempt_text(readout), readout.attempt_running ? green : grey},
-        {measured_text(readout, fmt::format("gum {:.1f} N", readout.gum_force_n), "gum -"),
-         readout.airway_measured ? colour_of(gum_force_level(readout.gum_force_n)) : white},
-        {measured_text(readout, fmt::format("glottis {:.0f} %", readout.glottic_opening_percent),
-                       "glottis -"),
+        {measure_text(readout, &LiveMeasures::gum_force_n, "gum {:.1f} N", "gum -"),
+         readout.airway_measured
+             ? colour_of(level_of(&LiveMeasures::gum_force_n, readout.measures.gum_force_n))
+             : white},
+        {measure_text(readout, &LiveMeasures::glottic_opening_percent, "glottis {:.0f} %", "glottis -"),
          white},
         {readout.blade_depth_cm > 0.0f ? fmt::format("blade {:.1f} cm", readout.blade_depth_cm)
                                        : std::string("blade outside"),
          white},
-        {measured_text(readout, fmt::format("{}, {:.2f} N", tube_text(readout), readout.tube_force_n),
-                       tube_text(readout)),
+        {measure_text(readout, &LiveMeasures::tube_force_n, tube_text(readout) + ", {:.2f} N",
+                      tube_text(readout)),
          white}};
     if (const auto& clock = readout.clock) {
         words.emplace_back(fmt::format("{:.1f}/{:.0f} s", clock->time_s, clock->limit_s),
@@ -160,8 +164,10 @@ void Hud::draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, G
         list.AddText(large_, number, ImVec2(corner.x + 74.0f, y), colour_of(level), text.c_str());
         y += number + 8.0f;
     };
-    line("SpO2 %", signs.oxygen_saturation_percent, saturation_level(signs.oxygen_saturation_percent));
-    line("HR /min", signs.heart_rate_per_min, heart_rate_level(signs.heart_rate_per_min));
+    line("SpO2 %", signs.oxygen_saturation_percent,
+         level_of(&LiveMeasures::oxygen_saturation_percent, signs.oxygen_saturation_percent));
+    line("HR /min", signs.heart_rate_per_min,
+         level_of(&LiveMeasures::heart_rate_per_min, signs.heart_rate_per_min));
 }
 
 void Hud::draw_counts(ImDrawList& list, const Readout& readout, float below) const {

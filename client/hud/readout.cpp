@@ -86,12 +86,12 @@ std::string warning_of(const msg::SessionStatus& status) {
 }
 
 // Warnings that a supervisor would call out.
-std::vector<std::string> alarms_of(const msg::LiveMetrics& metrics, const AttemptMetrics& now) {
+std::vector<std::string> alarms_of(float gum_force_n, msg::TubePlace tube, const AttemptMetrics& now) {
     std::vector<std::string> alarms;
-    if (gum_force_level(metrics.gum_force_n()) == Level::bad) {
+    if (level_of(&LiveMeasures::gum_force_n, gum_force_n) == Level::bad) {
         alarms.emplace_back("pressing on the upper gum");
     }
-    switch (metrics.tube_place()) {
+    switch (tube) {
         case msg::TUBE_IN_OESOPHAGUS:
             alarms.emplace_back("tube in the oesophagus");
             break;
@@ -120,16 +120,12 @@ Level Readout::TubeDepth::level() const {
     return off > depth_bad_cm ? Level::bad : off > depth_warning_cm ? Level::warning : Level::good;
 }
 
-Level gum_force_level(float force) {
-    return force > gum_force_bad_n ? Level::bad : force > gum_force_warning_n ? Level::warning : Level::good;
-}
-
-Level saturation_level(double percent) {
-    return percent < 80.0 ? Level::bad : percent < 90.0 ? Level::warning : Level::good;
-}
-
-Level heart_rate_level(double per_min) {
-    return per_min < 60.0 ? Level::bad : per_min < 100.0 ? Level::warning : Level::good;
+Level level_of(float LiveMeasures::*measure, double value) {
+    const LiveMeasureField& field = live_measure(measure);
+    const auto beyond = [&](double limit) {
+        return field.bad < field.warning ? value < limit : value > limit;
+    };
+    return beyond(field.bad) ? Level::bad : beyond(field.warning) ? Level::warning : Level::good;
 }
 
 float blade_depth(const Landmarks& points, const Vec3f& tip) {
@@ -159,10 +155,7 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
     if (const auto& metrics = scene.metrics()) {
         readout.attempt = metrics->attempt();
         readout.attempt_running = metrics->attempt_running();
-        readout.gum_force_n = metrics->gum_force_n();
-        readout.glottic_opening_percent = metrics->glottic_opening_percent();
-        readout.tube_past_cords_cm = metrics->tube_depth_past_glottis() / centimetre;
-        readout.tube_force_n = metrics->tube_force_n();
+        readout.measures = scene.measures();
         readout.message = metrics->message().to_string();
     }
     if (scene.metrics() && scene.keys()) {
@@ -176,7 +169,7 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
             readout.tube_depth = {now.tube_depth_at_lip_cm, now.tube_depth_rule_cm};
         }
         if (scene.shows(&RuntimeParameters::view_warnings) && readout.airway_measured) {
-            readout.alarms = alarms_of(*scene.metrics(), now);
+            readout.alarms = alarms_of(readout.measures.gum_force_n, scene.metrics()->tube_place(), now);
         }
         if (!std::isnan(now.oxygen_saturation_end_percent) && !std::isnan(now.heart_rate_end_per_min)) {
             readout.vital_signs = {now.oxygen_saturation_end_percent, now.heart_rate_end_per_min};

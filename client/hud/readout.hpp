@@ -17,15 +17,8 @@ enum class ServerLink { waiting, running, finished, lost };
 /// Traffic-light level.
 enum class Level { good, warning, bad, neutral };
 
-/// Thresholds of the force [N] on the upper gum. The mean maxima of Xiao et al. 2020, Table 2, are 3.1-5.3
-/// N.
-inline constexpr float gum_force_warning_n = 2.0f, gum_force_bad_n = 4.0f;
-[[nodiscard]] Level gum_force_level(float force);
-
-/// Levels of the oxygen saturation [%] and heart rate [1/min], by the limits that count as severe in
-/// neonatal airway registries (Herrick et al. 2020, Neonatology 117:65).
-[[nodiscard]] Level saturation_level(double percent);
-[[nodiscard]] Level heart_rate_level(double per_min);
+/// Level of a live measure by the limits of its row; `value`: as shown.
+[[nodiscard]] Level level_of(float LiveMeasures::*measure, double value);
 
 /// Outcome of an attempt or the run, as text.
 struct Verdict {
@@ -43,11 +36,8 @@ struct Readout {
     unsigned attempt = 0;  ///< 0 before the first
     bool attempt_running = false;
     bool airway_measured = true;  ///< else gum force, view and tube position are not meaningful
-    float gum_force_n = 0.0f;
-    float glottic_opening_percent = 0.0f;
-    float blade_depth_cm = 0.0f;       ///< past the upper gum; 0 while the tip is outside
-    float tube_past_cords_cm = -1.0f;  ///< negative above the cords
-    float tube_force_n = 0.0f;         ///< on the hand that holds the tube
+    LiveMeasures measures;
+    float blade_depth_cm = 0.0f;  ///< past the upper gum; 0 while the tip is outside
     /// Vital signs of the newborn, if they are simulated.
     struct VitalSigns {
         double oxygen_saturation_percent = 0.0;

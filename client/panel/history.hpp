@@ -2,10 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <array>
 #include <deque>
 #include <span>
-#include <string_view>
+#include <vector>
 
 #include "client/view/scene_view.hpp"
 
@@ -15,19 +14,16 @@ namespace eti::panel {
 struct Series {
     struct Sample {
         double time_s;  ///< simulation time
-        float value;
+        float value;    ///< as shown
     };
-    std::string_view label, unit;
-    float min_high;      ///< minimum upper end of the scale
-    bool negative;       ///< the scale reaches below 0
-    float warning, bad;  ///< drawn as lines; NaN: none
+    const LiveMeasureField* field;
     std::deque<Sample> samples{};
 
     [[nodiscard]] float high() const;
     [[nodiscard]] float low() const;
 };
 
-/// The plotted series: gum force, glottic opening, tube depth, load.
+/// The plotted series: the live measures that are plotted, then the server's load.
 class History {
   public:
     static constexpr double span_s = 60.0;
@@ -40,7 +36,7 @@ class History {
     [[nodiscard]] double newest_s() const { return newest_s_; }
 
   private:
-    std::array<Series, 4> series_;
+    std::vector<Series> series_;
     double newest_s_ = -1.0;
 };
 

@@ -91,8 +91,8 @@ void draw_series(const Series& series, double newest_s, ImVec2 size) {
         const float x = end.x - size.x * static_cast<float>(second / History::span_s);
         list.AddLine(ImVec2(x, corner.y), ImVec2(x, end.y), faded(hud::grey, 0.2f));
     }
-    for (const auto& [limit, in] : {std::pair{0.0f, hud::grey}, std::pair{series.warning, hud::amber},
-                                    std::pair{series.bad, hud::red}}) {
+    for (const auto& [limit, in] : {std::pair{0.0f, hud::grey}, std::pair{series.field->warning, hud::amber},
+                                    std::pair{series.field->bad, hud::red}}) {
         if (limit >= low && limit < high) {  // false for NaN
             list.AddLine(ImVec2(corner.x, y_of(limit)), ImVec2(end.x, y_of(limit)), faded(in, 0.6f));
         }
@@ -509,12 +509,18 @@ void PanelRenderer::draw_session(Model& model) {
 }
 
 void PanelRenderer::draw_plots(const Model& model) {
-    const std::span<const Series> all = model.history().series();
+    std::vector<const Series*> all;
+    for (const Series& series : model.history().series()) {
+        if (!series.field->optional || !series.samples.empty()) {
+            all.push_back(&series);
+        }
+    }
     // One line above each plot and one below.
     const float lines = 2.0f * ImGui::GetTextLineHeightWithSpacing() + ImGui::GetStyle().ItemSpacing.y;
     const float high = ImGui::GetContentRegionAvail().y / static_cast<float>(all.size()) - lines;
-    for (const Series& series : all) {
-        text(fmt::format("{} [{}]", series.label, series.unit));
+    for (const Series* const shown : all) {
+        const Series& series = *shown;
+        text(fmt::format("{} [{}]", series.field->short_label, series.field->unit));
         at_right(series.samples.empty() ? "-" : fmt::format("{:.1f}", series.samples.back().value),
                  hud::white);
         const float wide = ImGui::GetContentRegionAvail().x;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <span>
 
@@ -72,25 +73,25 @@ double time_of_greatest(Steps steps, const Value& value) {
 }
 
 double time_of_best_view(Steps steps) {
-    return time_of_greatest(steps, [](const auto& step) { return step.glottic_opening_percent; });
+    return time_of_greatest(steps, [](const auto& step) { return step.measures.glottic_opening_percent; });
 }
 
 /// The most informative pictures; only moments that occurred.
 ordered_json moments_json(Steps steps) {
     ordered_json out = ordered_json::array();
     const auto some = [&](auto&& predicate) { return std::ranges::any_of(steps, predicate); };
-    if (some([](const auto& step) { return step.glottic_opening_percent > 0; })) {
+    if (some([](const auto& step) { return step.measures.glottic_opening_percent > 0; })) {
         out.push_back({{"label", "Best view of the glottis"}, {"time_s", time_of_best_view(steps)}});
     }
-    const auto passed =
-        std::ranges::find_if(steps, [](const auto& step) { return step.tube_depth_past_glottis > 0; });
+    const auto passed = std::ranges::find_if(
+        steps, [](const auto& step) { return step.measures.tube_depth_past_glottis > 0; });
     if (passed != steps.end()) {
         out.push_back({{"label", "The tube passes the glottis"}, {"time_s", seconds_of(*passed)}});
     }
-    if (some([](const auto& step) { return step.gum_force_n > 0; })) {
-        out.push_back(
-            {{"label", "Greatest force on the upper gum"},
-             {"time_s", time_of_greatest(steps, [](const auto& step) { return step.gum_force_n; })}});
+    if (some([](const auto& step) { return step.measures.gum_force_n > 0; })) {
+        out.push_back({{"label", "Greatest force on the upper gum"},
+                       {"time_s", time_of_greatest(
+                                      steps, [](const auto& step) { return step.measures.gum_force_n; })}});
     }
     return out;
 }
@@ -161,37 +162,35 @@ double shortened(double value) {
     return std::round(1e4 * value) * 1e-4;
 }
 
-/// Each sample takes the value of its last step, except force and view, which take the maximum, so that no
-/// peak is lost.
+/// A value of several steps, as shown.
+double sample_of(Steps part, const LiveMeasureField& field) {
+    float value = part.back().measures.*field.value;
+    for (const session::StepRecord& step : part) {
+        value = field.peaks ? std::fmax(value, step.measures.*field.value) : value;
+    }
+    return shortened(static_cast<double>(value / field.per_unit));
+}
+
 ordered_json samples_json(Steps steps) {
     const std::size_t stride = stride_of(steps.size());
-    ordered_json time = ordered_json::array(), gum = time, view = time, depth = time, saturation = time,
-                 rate = time;
+    std::vector<Steps> parts;
+    ordered_json time = ordered_json::array(), lines = time;
     for (std::size_t from = 0; from < steps.size(); from += stride) {
-        const Steps part = steps.subspan(from, std::min(stride, steps.size() - from));
-        const session::StepRecord& last = part.back();
-        const auto greatest = [&](float session::StepRecord::*value) {
-            float most = session::missing_number;
-            for (const session::StepRecord& step : part) {
-                most = std::fmax(most, step.*value);
-            }
-            return shortened(static_cast<double>(most));
-        };
-        time.push_back(seconds_of(last));
-        gum.push_back(greatest(&session::StepRecord::gum_force_n));
-        view.push_back(greatest(&session::StepRecord::glottic_opening_percent));
-        depth.push_back(shortened(1e3 * static_cast<double>(last.tube_depth_past_glottis)));
-        saturation.push_back(shortened(last.metrics.oxygen_saturation_end_percent));
-        rate.push_back(shortened(last.metrics.heart_rate_end_per_min));
+        parts.push_back(steps.subspan(from, std::min(stride, steps.size() - from)));
+        time.push_back(seconds_of(parts.back().back()));
     }
-    const auto line = [](const char* label, const char* unit, ordered_json& values) {
-        return ordered_json{{"label", label}, {"unit", unit}, {"values", std::move(values)}};
-    };
-    return {{"time_s", std::move(time)},
-            {"lines",
-             {line("Force on the upper gum", "N", gum), line("Glottis in sight", "%", view),
-              line("Tube past the glottis", "mm", depth), line("Oxygen saturation", "%", saturation),
-              line("Heart rate", "1/min", rate)}}};
+    for (const LiveMeasureField& field : live_measure_fields) {
+        if (field.plot_high > 0.0f) {
+            ordered_json values = ordered_json::array();
+            for (const Steps part : parts) {
+                values.push_back(sample_of(part, field));
+            }
+            std::string label(field.label);
+            label[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(label[0])));
+            lines.push_back({{"label", label}, {"unit", field.unit}, {"values", std::move(values)}});
+        }
+    }
+    return {{"time_s", std::move(time)}, {"lines", std::move(lines)}};
 }
 
 }  // namespace

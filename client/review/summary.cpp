@@ -26,7 +26,9 @@ nlohmann::ordered_json outcome_json(const Summary& summary, const session::Summa
 
 /// Position of the tube by the last steps.
 std::string last_tube_position(std::span<const session::StepRecord> steps) {
-    const auto past = [](const session::StepRecord& step) { return step.tube_depth_past_glottis > 0.0f; };
+    const auto past = [](const session::StepRecord& step) {
+        return step.measures.tube_depth_past_glottis > 0.0f;
+    };
     const auto last = std::find_if(steps.rbegin(), steps.rend(), past);
     if (last == steps.rend()) {
         return "the tube had not passed the glottis";
@@ -38,7 +40,7 @@ std::string last_tube_position(std::span<const session::StepRecord> steps) {
     const auto before = std::find_if_not(last, steps.rend(), past);
     return fmt::format("the tube passed the glottis at {:.1f} s and lay {:.0f} mm beyond it",
                        seconds_of(*(before - 1)),
-                       1e3 * static_cast<double>(steps.back().tube_depth_past_glottis));
+                       1e3 * static_cast<double>(steps.back().measures.tube_depth_past_glottis));
 }
 
 /// Reconstructs the summary of an interrupted run from its steps.

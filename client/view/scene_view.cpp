@@ -333,8 +333,12 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     if (!points || !std::ranges::all_of(*points, plausible)) {
         return reject("eti/live_metrics", "landmarks that are missing or impossible");
     }
-    if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
-        return reject("eti/live_metrics", "gum force or glottic opening is not finite");
+    const LiveMeasures measures = keys_->measures(message);
+    for (const LiveMeasureField& field : live_measure_fields) {
+        const float value = measures.*field.value;
+        if (!std::isfinite(value) && !(field.optional && std::isnan(value))) {
+            return reject("eti/live_metrics", fmt::format("'{}' is {}", field.key, value));
+        }
     }
     if (!std::ranges::all_of(message.live(), [](float value) { return std::isfinite(value); })) {
         return reject("eti/live_metrics", "a runtime parameter is not finite");
@@ -360,6 +364,7 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     landmarks_ = *points;
     live_landmarks_ = true;
     metrics_ = message;
+    measures_ = measures;
     glottis_contour_ = std::move(contour);
     live_ = keys_->runtime_parameters(message);
     return true;

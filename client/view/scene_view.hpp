@@ -79,6 +79,8 @@ class SceneView {
     [[nodiscard]] const std::optional<msg::SessionDescription>& description() const { return description_; }
 
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
+    /// NaN for measures that the server does not publish.
+    [[nodiscard]] const LiveMeasures& measures() const { return measures_; }
     /// Runtime parameters as last published, or initially as described; NaN if not published.
     [[nodiscard]] const RuntimeParameters& live() const { return live_; }
     /// Whether the session requests the enhanced view.
@@ -168,6 +170,7 @@ class SceneView {
     Annotations annotations_;
     std::vector<Vec3f> glottis_contour_;
     std::optional<msg::LiveMetrics> metrics_;
+    LiveMeasures measures_;
     RuntimeParameters live_;
     std::optional<msg::SessionStatus> status_;
     std::optional<AttemptReport> attempt_report_;

@@ -15,7 +15,7 @@ namespace msg = ::eti::msg;
 /// Incremented when a change of a message or topic would make older programs misread it. Programs of
 /// different protocols do not match; self_check() reports both versions. New keys of a SessionDescription
 /// need no increment.
-inline constexpr int protocol = 7;
+inline constexpr int protocol = 8;
 
 /// The DDS partition of a session. Programs of another protocol would misread messages, so they use another
 /// partition. A session's name contains no slash.

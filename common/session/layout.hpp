@@ -148,33 +148,16 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     add(
         "metrics/attempt_running", "1", "1 while the blade is in the mouth",
         [](auto& r) -> auto& { return r.attempt_running; });
-    add(
-        "metrics/glottic_opening_now", "%", "glottic opening in sight now",
-        [](auto& r) -> auto& { return r.glottic_opening_percent; });
-    add(
-        "metrics/gum_force_now", "N", "force on the upper gum now",
-        [](auto& r) -> auto& { return r.gum_force_n; });
-    add(
-        "metrics/tube_depth_past_glottis", "m",
-        "depth of the tube's tip past the glottis, negative before it",
-        [](auto& r) -> auto& { return r.tube_depth_past_glottis; });
+    for (const LiveMeasureField& field : live_measure_fields) {
+        column(
+            "metrics/" + std::string(field.key), hdf5::Label{field.si.empty() ? "1" : field.si, field.help},
+            [value = field.value](auto& r) -> auto& { return r.measures.*value; }, std::size_t{0});
+    }
     add(
         "metrics/eye_used", "m",
         "where the glottis was last looked at from, by the trainee or, without an eye_pose, where it is seen "
         "best: x y z, patient frame; 30 times a second",
         [](auto& r) -> auto& { return r.eye_used; });
-    add(
-        "metrics/epiglottis_in_sight", "1",
-        "1 where the last look saw the epiglottis, for which it looked only with nothing of the opening in "
-        "sight",
-        [](auto& r) -> auto& { return r.epiglottis_in_sight; });
-    add(
-        "metrics/oxygen_saturation_now", "%",
-        "oxygen saturation now, as shown; NaN where it is not simulated",
-        [](auto& r) -> auto& { return r.oxygen_saturation; });
-    add(
-        "metrics/heart_rate_now", "1/min", "heart rate now; NaN where it is not simulated",
-        [](auto& r) -> auto& { return r.heart_rate; });
     metric_columns("metrics", column);
 }
 

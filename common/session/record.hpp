@@ -16,6 +16,7 @@
 #include "common/mesh/triangle_mesh.hpp"
 #include "common/model/attempt_metrics.hpp"
 #include "common/model/landmark.hpp"
+#include "common/model/live_measures.hpp"
 #include "common/model/runtime_parameters.hpp"
 #include "common/model/surface.hpp"
 #include "common/model/tissue.hpp"
@@ -128,15 +129,9 @@ struct StepRecord {
     // Metrics.
     std::uint32_t attempt = 0;  ///< 0 before the first
     bool attempt_running = false;
-    float glottic_opening_percent = 0.0f;  ///< visible now
-    float gum_force_n = 0.0f;              ///< now
-    float tube_depth_past_glottis = 0.0f;  ///< [m], negative before the cords
-    std::array<float, 3> eye_used{};       ///< [m], eye position at the last view of the glottis
-    /// 1 if visible at the last look; evaluated only when nothing of the opening was visible.
-    float epiglottis_in_sight = missing_number;
-    float oxygen_saturation = missing_number;  ///< [%], where it is simulated
-    float heart_rate = missing_number;         ///< [1/min], likewise
-    AttemptMetrics metrics;                    ///< of the current attempt so far
+    LiveMeasures measures;
+    std::array<float, 3> eye_used{};  ///< [m], eye position at the last view of the glottis
+    AttemptMetrics metrics;           ///< of the current attempt so far
 };
 
 /// A command as it was latched.

@@ -216,15 +216,16 @@ bool SceneLink::take_live() {
         return false;
     }
     const std::optional<Landmarks> landmarks = keys_->landmarks(live_);
-    if (!landmarks || !bus::is_finite(live_.tube_tip()) || !std::isfinite(live_.glottic_opening_percent()) ||
-        !std::isfinite(live_.tube_depth_past_glottis())) {
+    const LiveMeasures measures = keys_->measures(live_);
+    if (!landmarks || !bus::is_finite(live_.tube_tip()) || !std::isfinite(measures.glottic_opening_percent) ||
+        !std::isfinite(measures.tube_depth_past_glottis)) {
         refused_.fetch_add(1, std::memory_order_relaxed);
         return false;
     }
     state_.seen.landmarks = *landmarks;
-    state_.seen.glottic_opening_percent = live_.glottic_opening_percent();
+    state_.seen.glottic_opening_percent = measures.glottic_opening_percent;
     state_.seen.tube_tip = from_msg(live_.tube_tip());
-    state_.seen.tube_depth_past_glottis = live_.tube_depth_past_glottis();
+    state_.seen.tube_depth_past_glottis = measures.tube_depth_past_glottis;
     const std::lock_guard lock(mutex_);
     initial_scene_.seen = state_.seen;
     initial_scene_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;

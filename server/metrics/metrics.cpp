@@ -78,13 +78,15 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
         if (const auto depth = depth_at_lip(snapshot.tube_nodes, places.mouth); depth && tube_.in_mouth()) {
             depth_at_lip_ = static_cast<double>(*depth);
         }
-        live_.tube_depth_past_glottis = tube_.past_glottis();
+        live_.measures.tube_depth_past_glottis = tube_.past_glottis();
         live_.tube_place = tube_.place();
     }
     const TissueForces forces = tissue_forces(snapshot);
-    live_.glottic_opening_percent = view.opening_percent;
-    live_.gum_force = static_cast<float>(forces.gum);
-    live_.epiglottis_in_sight = view.epiglottis_seen;
+    live_.measures.gum_force_n = static_cast<float>(forces.gum);
+    live_.measures.glottic_opening_percent = view.opening_percent;
+    live_.measures.tube_force_n = snapshot.tube_force.norm();
+    live_.measures.tongue_force_n = static_cast<float>(forces.tongue);
+    live_.measures.epiglottis_in_sight = view.epiglottis_seen ? 1.0f : 0.0f;
 
     const bool starts = blade == GateTracker::Change::in;
     if (starts) {
@@ -111,8 +113,10 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
                                                          threshold::glottis_radius.as_float();
         sample.head_elevation = snapshot.runtime_parameters.head_elevation;
         sample.depth_at_lip = depth_at_lip_;
-        sample.oxygen_saturation = live_.oxygen_saturation;
-        sample.heart_rate = live_.heart_rate;
+        if (vital_signs_) {
+            sample.oxygen_saturation = vital_signs_->oxygen_saturation();
+            sample.heart_rate = vital_signs_->heart_rate();
+        }
         add_to_attempt(sample);
     } else {
         entries_between_ += changes.oesophagus == GateTracker::Change::in ? 1 : 0;
@@ -167,8 +171,8 @@ void Metrics::log_vital_signs(double seconds) {
         return;
     }
     vital_signs_->advance(seconds, ventilation());
-    live_.oxygen_saturation = vital_signs_->oxygen_saturation();
-    live_.heart_rate = vital_signs_->heart_rate();
+    live_.measures.oxygen_saturation_percent = static_cast<float>(vital_signs_->oxygen_saturation());
+    live_.measures.heart_rate_per_min = static_cast<float>(vital_signs_->heart_rate());
     const auto watch = [&](bool& low, double value, double limit, double back, const char* fell,
                            const char* recovered) {
         if (!low && value < limit) {

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/model/attempt_metrics.hpp"
+#include "common/model/live_measures.hpp"
 #include "common/model/run.hpp"
 #include "common/model/tools/tools.hpp"
 #include "server/metrics/attempt.hpp"
@@ -25,16 +25,10 @@ namespace eti::metrics {
 struct LiveMetrics {
     std::uint32_t attempt = 0;  ///< number of the latest attempt; 0 before the first
     bool attempt_running = false;
-    float glottic_opening_percent = 0.0f;
-    float gum_force = 0.0f;                 ///< [N]
-    float tube_depth_past_glottis = -1.0f;  ///< [m]; minus the distance from the glottis before it
+    LiveMeasures measures;
     TubePlace tube_place = TubePlace::outside;
     Vec3f tube_tip = Vec3f::Zero();  ///< [m]
     std::string message;             ///< text of the latest event
-    /// Tested only where none of the opening is visible.
-    bool epiglottis_in_sight = false;
-    double oxygen_saturation = std::numeric_limits<double>::quiet_NaN();  ///< [%]; NaN unless simulated
-    double heart_rate = std::numeric_limits<double>::quiet_NaN();         ///< [1/min]; NaN unless simulated
 };
 
 struct AttemptSummary {

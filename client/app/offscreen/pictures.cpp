@@ -47,9 +47,9 @@ std::string picture_name(std::string_view view, std::string_view occasion, doubl
 }
 
 void BestView::consider(const view::SceneView& scene) {
-    const auto& metrics = scene.metrics();
-    if (metrics && scene.complete() && metrics->glottic_opening_percent() > percent_ + better_by_percent) {
-        percent_ = metrics->glottic_opening_percent();
+    const float percent = scene.measures().glottic_opening_percent;
+    if (scene.complete() && percent > percent_ + better_by_percent) {
+        percent_ = percent;
         scene_ = scene;
     }
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "common/bus/codec/convert.hpp"
@@ -68,9 +69,23 @@ class Places {
     std::vector<std::string> ours_, theirs_;
 };
 
-template <class Value>
-Value at_or_nan(std::span<const Value> values, std::size_t place) {
-    return place < values.size() ? values[place] : std::numeric_limits<Value>::quiet_NaN();
+/// The values of a table, in its order.
+template <class Number, class Rows, class Values>
+std::vector<Number> in_order(const Rows& rows, const Values& values) {
+    std::vector<Number> out;
+    std::ranges::transform(rows, std::back_inserter(out), [&](const auto& row) { return values.*row.value; });
+    return out;
+}
+
+/// The values of a table from a message; NaN for those that it does not contain.
+template <class Values, class Number, class Rows>
+Values by_place(const Rows& rows, std::span<const std::size_t> places, std::span<const Number> numbers) {
+    Values out;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        out.*rows[i].value =
+            places[i] < numbers.size() ? numbers[places[i]] : std::numeric_limits<Number>::quiet_NaN();
+    }
+    return out;
 }
 
 bool is_length(float metres) {
@@ -122,11 +137,16 @@ void set_keys(const RuntimeParameters& start, msg::SessionDescription& message) 
         key.on_off(field.on_off);
         put(field.help, key.help());
     }
-    for (const MetricField& field : metric_fields) {
-        msg::ParameterKey& key = message.parameters().emplace_back();
+    const auto put_key = [](const auto& field, std::string_view unit, msg::ParameterKey& key) {
         put(field.key, key.name());
         put(field.label, key.label());
-        put(field.unit, key.unit());
+        put(unit, key.unit());
+    };
+    for (const MetricField& field : metric_fields) {
+        put_key(field, field.unit, message.parameters().emplace_back());
+    }
+    for (const LiveMeasureField& field : live_measure_fields) {
+        put_key(field, field.si, message.measures().emplace_back());
     }
     for (const std::string_view name : tissue_names) {
         put(name, message.tissues().emplace_back());
@@ -150,18 +170,15 @@ void set_tools(const Laryngoscope& scope, const Tube& tube, msg::SessionDescript
 }
 
 void set_runtime_parameters(const RuntimeParameters& values, msg::LiveMetrics& message) {
-    message.live().clear();
-    for (const RuntimeParameterField& field : runtime_parameter_fields) {
-        message.live().push_back(values.*field.value);
-    }
+    message.live(in_order<float>(runtime_parameter_fields, values));
+}
+
+void set_measures(const LiveMeasures& measures, msg::LiveMetrics& message) {
+    message.measures(in_order<float>(live_measure_fields, measures));
 }
 
 std::vector<double> to_msg(const AttemptMetrics& metrics) {
-    std::vector<double> values;
-    for (const MetricField& field : metric_fields) {
-        values.push_back(metrics.*field.value);
-    }
-    return values;
+    return in_order<double>(metric_fields, metrics);
 }
 
 std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std::string& why) {
@@ -171,6 +188,8 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
                                            [](const RuntimeParameterField& field) { return field.name; });
     keys.metrics_ =
         places.find(m.parameters(), metric_fields, [](const MetricField& field) { return field.key; });
+    keys.measures_ = places.find(m.measures(), live_measure_fields,
+                                 [](const LiveMeasureField& field) { return field.key; });
     keys.landmarks_ = places.find(m.landmarks(), landmark_names, [](std::string_view name) { return name; });
     for (std::size_t i = 0; i < landmark_count; ++i) {
         if (keys.landmarks_[i] == absent) {
@@ -219,19 +238,15 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
 }
 
 RuntimeParameters SessionKeys::runtime_parameters(const msg::LiveMetrics& message) const {
-    RuntimeParameters values;
-    for (std::size_t i = 0; i < runtime_parameter_fields.size(); ++i) {
-        values.*runtime_parameter_fields[i].value = at_or_nan<float>(message.live(), runtime_parameters_[i]);
-    }
-    return values;
+    return by_place<RuntimeParameters, float>(runtime_parameter_fields, runtime_parameters_, message.live());
+}
+
+LiveMeasures SessionKeys::measures(const msg::LiveMetrics& message) const {
+    return by_place<LiveMeasures, float>(live_measure_fields, measures_, message.measures());
 }
 
 AttemptMetrics SessionKeys::metrics(std::span<const double> values) const {
-    AttemptMetrics metrics;
-    for (std::size_t i = 0; i < metric_fields.size(); ++i) {
-        metrics.*metric_fields[i].value = at_or_nan<double>(values, metrics_[i]);
-    }
-    return metrics;
+    return by_place<AttemptMetrics, double>(metric_fields, metrics_, values);
 }
 
 std::optional<Landmarks> SessionKeys::landmarks(const msg::LiveMetrics& message) const {

@@ -11,19 +11,22 @@
 #include "common/model/attempt_metrics.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/liquid_kind.hpp"
+#include "common/model/live_measures.hpp"
 #include "common/model/runtime_parameters.hpp"
 #include "common/model/tools/tools.hpp"
 #include "idl/eti_wire.hpp"
 
 namespace eti::bus {
 
-/// Adds this program's tables to a description: runtime parameters with their values at the `start`, metrics
-/// and tissues.
+/// Adds this program's tables to a description: runtime parameters with their values at the `start`, metrics,
+/// live measures and tissues.
 void set_keys(const RuntimeParameters& start, msg::SessionDescription& message);
 void set_tools(const Laryngoscope& scope, const Tube& tube, msg::SessionDescription& message);
 
 /// Runtime parameters, in the order of set_keys().
 void set_runtime_parameters(const RuntimeParameters& values, msg::LiveMetrics& message);
+/// Live measures, in the order of set_keys().
+void set_measures(const LiveMeasures& measures, msg::LiveMetrics& message);
 /// Metrics, in the order of set_keys().
 [[nodiscard]] std::vector<double> to_msg(const AttemptMetrics& metrics);
 
@@ -38,6 +41,8 @@ class SessionKeys {
 
     /// [SI]; NaN for values that the message does not contain.
     [[nodiscard]] RuntimeParameters runtime_parameters(const msg::LiveMetrics& message) const;
+    /// NaN for measures that the message does not contain.
+    [[nodiscard]] LiveMeasures measures(const msg::LiveMetrics& message) const;
     /// NaN for metrics that `values` does not contain.
     [[nodiscard]] AttemptMetrics metrics(std::span<const double> values) const;
     /// [m]; nullopt when one is missing or not finite.
@@ -56,7 +61,7 @@ class SessionKeys {
 
   private:
     // For each row of this program's table, its index in the message; npos: the server does not have it.
-    std::vector<std::size_t> runtime_parameters_, metrics_, landmarks_;
+    std::vector<std::size_t> runtime_parameters_, metrics_, measures_, landmarks_;
     RuntimeParameters start_;
     Landmarks rest_{};
     Laryngoscope scope_;

@@ -159,13 +159,8 @@ void fill(session::StepRecord& record, const scene::Snapshot& snapshot, const me
     std::ranges::transform(snapshot.landmarks, record.landmarks.begin(), numbers);
     record.attempt = live.attempt;
     record.attempt_running = live.attempt_running;
-    record.glottic_opening_percent = live.glottic_opening_percent;
-    record.gum_force_n = live.gum_force;
-    record.tube_depth_past_glottis = live.tube_depth_past_glottis;
+    record.measures = live.measures;
     record.eye_used = numbers(eye_used);
-    record.epiglottis_in_sight = live.epiglottis_in_sight ? 1.0f : 0.0f;
-    record.oxygen_saturation = static_cast<float>(live.oxygen_saturation);
-    record.heart_rate = static_cast<float>(live.heart_rate);
     record.metrics = metrics;
 }
 

@@ -126,10 +126,7 @@ msg::LiveMetrics live_message(const scene::Snapshot& snapshot, const AttemptStat
     message.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
     message.attempt(live.attempt);
     message.attempt_running(live.attempt_running);
-    message.glottic_opening_percent(live.glottic_opening_percent);
-    message.gum_force_n(live.gum_force);
-    message.tube_depth_past_glottis(live.tube_depth_past_glottis);
-    message.tube_force_n(snapshot.tube_force.norm());
+    bus::set_measures(live.measures, message);
     message.tube_place(static_cast<msg::TubePlace>(live.tube_place));
     const std::size_t around =
         std::min(msg::bound::LiveMetrics_glottis_contour, snapshot.glottis_contour.size());

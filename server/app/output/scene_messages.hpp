@@ -19,16 +19,9 @@
 
 namespace eti::app {
 
-/// Values of the running attempt for LiveMetrics.
-struct AttemptStatus {
-    std::uint32_t attempt = 0;
-    bool attempt_running = false;
-    float glottic_opening_percent = 0.0f;
-    float gum_force = 0.0f;                 ///< [N]
-    float tube_depth_past_glottis = -1.0f;  ///< [m]
-    metrics::TubePlace tube_place = metrics::TubePlace::outside;
+/// Values of the running attempt for the message LiveMetrics.
+struct AttemptStatus : metrics::LiveMetrics {
     AttemptMetrics metrics;
-    std::string message;
     std::optional<RigidTransform> eye{};  ///< of the trainee, if it has been received
 };
 

@@ -177,14 +177,14 @@ const scene::Snapshot& RecordedStates::at(std::size_t row) {
         s.glottis_contour[i] = carried(patient_.glottis_contour[i]);
     }
     s.shell_contacts.clear();
-    if (step.gum_force_n > 0.0f) {
+    if (step.measures.gum_force_n > 0.0f) {
         constexpr auto gum = static_cast<std::size_t>(Tissue::upper_gum);
         const Vec3f met(step.loads.place[gum].data());
         const bool known = met.allFinite() && (step.loads.pressed[gum] > 0.0f ||
                                                Vec3f(step.loads.net[gum].data()).norm() > 0.0f);
         // In files of earlier versions the middle of the gum stands for the contact point.
         const Vec3f place = known ? met : eti::at(s.landmarks, Landmark::upper_gum);
-        s.shell_contacts.push_back({place, Vec3f::UnitY(), step.gum_force_n, Tissue::upper_gum});
+        s.shell_contacts.push_back({place, Vec3f::UnitY(), step.measures.gum_force_n, Tissue::upper_gum});
     }
     s.saliva.positions.clear();
     if (const auto after = latest_before(recording_.fluids, step.time_ns);
@@ -200,25 +200,23 @@ const scene::Snapshot& RecordedStates::at(std::size_t row) {
     return s;
 }
 
-const AttemptStatus& RecordedStates::measures(std::size_t row) {
+const AttemptStatus& RecordedStates::status(std::size_t row) {
     const session::StepRecord& step = recording_.steps[row];
-    measures_.attempt = step.attempt;
-    measures_.attempt_running = step.attempt_running;
-    measures_.glottic_opening_percent = step.glottic_opening_percent;
-    measures_.gum_force = step.gum_force_n;
-    measures_.tube_depth_past_glottis = step.tube_depth_past_glottis;
-    measures_.tube_place = tube_places_[row / rows_per_place];
-    measures_.metrics = step.metrics;
-    measures_.eye = is_valid_pose(step.eye) ? std::optional(step.eye) : std::nullopt;
-    measures_.message.clear();
+    status_.attempt = step.attempt;
+    status_.attempt_running = step.attempt_running;
+    status_.measures = step.measures;
+    status_.tube_place = tube_places_[row / rows_per_place];
+    status_.metrics = step.metrics;
+    status_.eye = is_valid_pose(step.eye) ? std::optional(step.eye) : std::nullopt;
+    status_.message.clear();
     for (auto event = latest_before(recording_.events, step.time_ns); event != recording_.events.begin();) {
         --event;
         if (event->kind == "attempt") {
-            measures_.message = event->text;
+            status_.message = event->text;
             break;
         }
     }
-    return measures_;
+    return status_;
 }
 
 }  // namespace eti::app

@@ -29,7 +29,7 @@ class RecordedStates {
     /// Snapshot of the step in this row. Valid until the next call.
     [[nodiscard]] const scene::Snapshot& at(std::size_t row);
     /// Metrics up to this row. Valid until the next call.
-    [[nodiscard]] const AttemptStatus& measures(std::size_t row);
+    [[nodiscard]] const AttemptStatus& status(std::size_t row);
 
   private:
     /// Loads `from_` with the frames of the last deformation record up to `time_ns`.
@@ -40,7 +40,7 @@ class RecordedStates {
     const Recording& recording_;
     patient::Patient patient_;
     scene::Snapshot snapshot_;
-    AttemptStatus measures_;
+    AttemptStatus status_;
     std::vector<FramePose> from_;
     std::size_t next_record_ = 0;                  // deformation record that follows those in `from_`
     std::vector<metrics::TubePlace> tube_places_;  // of every sixth row

@@ -212,7 +212,7 @@ class Replay {
         haptic_publisher_->post_proxy(proxy);
         output_->post(s, status());
         if (tick_ % states_per_look == 0) {
-            output_->post_live(s, states_.measures(row_));
+            output_->post_live(s, states_.status(row_));
             output_->post_status(status());
         }
         publish_events(s);

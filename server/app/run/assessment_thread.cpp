@@ -72,7 +72,7 @@ void AssessmentThread::assess(const scene::Snapshot& snapshot, const std::option
     }
     ended_at_.store(metrics.live().attempt_running ? -1.0 : last_ended_, std::memory_order_relaxed);
     if (output_ != nullptr && assessor_.due()) {
-        publish(snapshot, eye);
+        output_->post_live(snapshot, {metrics.live(), metrics_, eye});
     }
 }
 
@@ -89,21 +89,6 @@ void AssessmentThread::record(const StepInputs& inputs) {
     for (const session::AnnotationRecord& a : inputs.annotations) {
         recorder_->annotation(a);
     }
-}
-
-void AssessmentThread::publish(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye) {
-    const metrics::LiveMetrics& live = assessor_.metrics().live();
-    AttemptStatus values;
-    values.attempt = live.attempt;
-    values.attempt_running = live.attempt_running;
-    values.glottic_opening_percent = live.glottic_opening_percent;
-    values.gum_force = live.gum_force;
-    values.tube_depth_past_glottis = live.tube_depth_past_glottis;
-    values.tube_place = live.tube_place;
-    values.message = live.message;
-    values.metrics = metrics_;
-    values.eye = eye;
-    output_->post_live(snapshot, values);
 }
 
 void AssessmentThread::post_summaries() {

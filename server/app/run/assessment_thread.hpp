@@ -78,7 +78,6 @@ class AssessmentThread {
     void run();
     void assess(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye,
                 const StepInputs& inputs);
-    void publish(const scene::Snapshot& snapshot, const std::optional<RigidTransform>& eye);
     void record(const StepInputs& inputs);
     void log_events();
     void post_summaries();

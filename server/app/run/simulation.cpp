@@ -137,9 +137,9 @@ Observation Simulation::observation() const {
     const metrics::LiveMetrics& live = metrics().live();
     return {time(),
             s.landmarks,
-            live.glottic_opening_percent,
+            live.measures.glottic_opening_percent,
             s.tube_nodes.empty() ? Vec3f(Vec3f::Zero()) : s.tube_nodes.back(),
-            live.tube_depth_past_glottis,
+            live.measures.tube_depth_past_glottis,
             s.proxy,
             tube_depth_rule_};
 }

@@ -34,7 +34,7 @@ Attempt record_attempt(const Scenario& scenario, const OperatorScript& script) {
     float nearest = -std::numeric_limits<float>::infinity();
     const auto keep = [&](std::size_t which) {
         attempt.moments[which] =
-            KeyMoment{simulation.snapshot(), simulation.metrics().live().glottic_opening_percent};
+            KeyMoment{simulation.snapshot(), simulation.metrics().live().measures.glottic_opening_percent};
     };
     while (!hands.finished() && simulation.time() < longest) {
         hands.advance(simulation.observation(), simulation.snapshot());
@@ -51,13 +51,13 @@ Attempt record_attempt(const Scenario& scenario, const OperatorScript& script) {
         if (!attempt.moments[touched] && now.tissue_force.norm() > touch) {
             keep(touched);
         }
-        const float seen = live.glottic_opening_percent;
+        const float seen = live.measures.glottic_opening_percent;
         if (seen > 0.0f && (!attempt.moments[best] || seen > attempt.moments[best]->opening_percent)) {
             keep(best);
         }
         // Until it is through: the first step of those past the glottis stays.
-        if (live.attempt_running && nearest < 0.0f && live.tube_depth_past_glottis > nearest) {
-            nearest = live.tube_depth_past_glottis;
+        if (live.attempt_running && nearest < 0.0f && live.measures.tube_depth_past_glottis > nearest) {
+            nearest = live.measures.tube_depth_past_glottis;
             keep(tube);
         }
     }

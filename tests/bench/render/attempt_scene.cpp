@@ -42,9 +42,9 @@ view::SceneView scene_of(const view::SceneView& rest, const KeyMoment& moment) {
         app::fluid_messages(s, [&](const msg::FluidState& state) { apply_message(scene, state); });
     }
     apply_message(scene, app::proxy_message(s));
-    app::AttemptStatus measures;
-    measures.glottic_opening_percent = moment.opening_percent;
-    apply_message(scene, app::live_message(s, measures));
+    app::AttemptStatus status;
+    status.measures.glottic_opening_percent = moment.opening_percent;
+    apply_message(scene, app::live_message(s, status));
     scene.update();
     return scene;
 }

@@ -118,7 +118,7 @@ std::vector<scene::Inputs> lift_of(const Scenario& scenario, const patient::Pati
         inputs.tube_grip = tube;
         simulation.step(inputs, std::nullopt);
         way.push_back(inputs);
-        const float opening = simulation.metrics().live().glottic_opening_percent;
+        const float opening = simulation.metrics().live().measures.glottic_opening_percent;
         if (opening > seen) {
             seen = opening;
             seen_at = simulation.time();

@@ -66,7 +66,7 @@ constexpr std::array<const char*, measures> measure_names = {"blade_n", "tongue_
 std::array<double, measures> measured(const app::Simulation& simulation) {
     const metrics::TissueForces forces = metrics::tissue_forces(simulation.snapshot());
     return {static_cast<double>(simulation.snapshot().tissue_force.norm()), forces.tongue, forces.gum,
-            static_cast<double>(simulation.metrics().live().glottic_opening_percent)};
+            static_cast<double>(simulation.metrics().live().measures.glottic_opening_percent)};
 }
 
 /// Distance [m] between the same tissue in two scenes.

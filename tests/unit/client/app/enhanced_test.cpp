@@ -29,7 +29,7 @@ class EnhancedView : public ::testing::Test {
     void say(const RuntimeParameters& live, float gum_force) {
         auto metrics = synthetic::metrics(source_, 2'000'000, 40.0f);
         bus::set_runtime_parameters(live, metrics);
-        metrics.gum_force_n(gum_force);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, gum_force);
         ASSERT_TRUE(scene_.apply(metrics));
     }
     [[nodiscard]] render::Image picture(std::string_view selection) {

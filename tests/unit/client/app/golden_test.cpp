@@ -39,14 +39,14 @@ class Moment {
         : scene(shapes), metrics(synthetic::metrics(source, now_ns, 40.0f)), source_(source) {
         scene.apply(synthetic::deformation(source, now_ns, 0.003f, 0.02f));
         scene.apply(synthetic::proxy(source, now_ns));
-        metrics.gum_force_n(1.0f);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, 1.0f);
         parameters.time_s = 24.3;
         parameters.tube_depth_at_lip_cm = 8.8;
         parameters.tube_depth_rule_cm = 9.5;
     }
     /// The blade presses on the upper gum, beside its middle.
     void press(float force) {
-        metrics.gum_force_n(force);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, force);
         msg::ProxyState proxy = synthetic::proxy(source_, now_ns);
         const Vec3f where = at(scene.landmarks(), Landmark::upper_gum) + Vec3f(4e-3f, 0.0f, 0.0f);
         msg::ShellContact contact;
@@ -455,7 +455,8 @@ TEST_F(Golden, ComparisonDetectsChangedDigitMarkOrLine) {
     };
     EXPECT_TRUE(differ(row_of("eye", pressed), row_of("eye", [](Moment& moment) {
                            moment.live.view_gum_force = 1.0f;
-                           moment.metrics.gum_force_n(2.5f);  // at the gum's middle
+                           synthetic::set(moment.metrics, &LiveMeasures::gum_force_n,
+                                          2.5f);  // at the gum's middle
                        })));
 }
 

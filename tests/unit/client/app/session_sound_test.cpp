@@ -14,7 +14,7 @@ class SessionSound : public ::testing::Test {
     SessionSound() { synthetic::fill(seen_, scene_); }
     void session(float gum_force, float suction) {
         msg::LiveMetrics metrics = synthetic::metrics(scene_, time_ns_ += 10'000'000, 0.0f);
-        metrics.gum_force_n(gum_force);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, gum_force);
         RuntimeParameters live;
         live.suction = suction;
         bus::set_runtime_parameters(live, metrics);

@@ -33,7 +33,7 @@ class TutorialTest : public ::testing::Test {
         msg::LiveMetrics metrics = synthetic::metrics(scene_, time_ns_ += 10'000'000, percent);
         metrics.attempt_running(attempt);
         metrics.tube_place(place);
-        metrics.tube_depth_past_glottis(depth);
+        synthetic::set(metrics, &LiveMeasures::tube_depth_past_glottis, depth);
         ASSERT_TRUE(seen_.apply(metrics));
     }
 

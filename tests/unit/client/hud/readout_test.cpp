@@ -23,9 +23,9 @@ TEST(Readout, ReflectsReceivedMessages) {
     synthetic::fill(scene, source);
     hud::Readout readout = hud::make_readout(scene, false);
     EXPECT_EQ(readout.link, hud::ServerLink::running);
-    EXPECT_FLOAT_EQ(readout.glottic_opening_percent, 40.0f);
-    EXPECT_FLOAT_EQ(readout.gum_force_n, 1.5f);
-    EXPECT_FLOAT_EQ(readout.tube_force_n, 0.25f);
+    EXPECT_FLOAT_EQ(readout.measures.glottic_opening_percent, 40.0f);
+    EXPECT_FLOAT_EQ(readout.measures.gum_force_n, 1.5f);
+    EXPECT_FLOAT_EQ(readout.measures.tube_force_n, 0.25f);
     EXPECT_DOUBLE_EQ(readout.time_s, 1e-3);
     EXPECT_EQ(readout.attempt, 1u);
     // The blade's tip lies in the vallecula; marching tetrahedra of 2 mm round the tip by up to 1 mm.
@@ -53,9 +53,9 @@ TEST(Readout, ShowsVitalSignsOnlyIfSimulated) {
     ASSERT_TRUE(signs);
     EXPECT_DOUBLE_EQ(signs->oxygen_saturation_percent, 78.5);
     EXPECT_DOUBLE_EQ(signs->heart_rate_per_min, 96.0);
-    EXPECT_EQ(hud::saturation_level(78.5), hud::Level::bad);
-    EXPECT_EQ(hud::heart_rate_level(96.0), hud::Level::warning);
-    EXPECT_EQ(hud::saturation_level(97.0), hud::Level::good);
+    EXPECT_EQ(hud::level_of(&LiveMeasures::oxygen_saturation_percent, 78.5), hud::Level::bad);
+    EXPECT_EQ(hud::level_of(&LiveMeasures::heart_rate_per_min, 96.0), hud::Level::warning);
+    EXPECT_EQ(hud::level_of(&LiveMeasures::oxygen_saturation_percent, 97.0), hud::Level::good);
 }
 
 TEST(Readout, ShowsOnlyEnabledAidsWithLevels) {
@@ -72,7 +72,7 @@ TEST(Readout, ShowsOnlyEnabledAidsWithLevels) {
         parameters.tube_depth_rule_cm = 9.5;
         live.parameters(bus::to_msg(parameters));
         live.tube_place(place);
-        live.gum_force_n(gum);
+        synthetic::set(live, &LiveMeasures::gum_force_n, gum);
         EXPECT_TRUE(scene.apply(live));
         return hud::make_readout(scene, false);
     };
@@ -145,7 +145,7 @@ TEST(Readout, ManikinAttemptOutcomeIsUnknown) {
     synthetic::fill(scene, source);
     AttemptMetrics parameters = initial_metrics();
     msg::LiveMetrics live = synthetic::metrics(source, 2'000'000, 0.0f);
-    live.gum_force_n(9.0f);
+    synthetic::set(live, &LiveMeasures::gum_force_n, 9.0f);
     live.parameters(bus::to_msg(parameters));
     ASSERT_TRUE(scene.apply(live));
     EXPECT_TRUE(hud::make_readout(scene, false).airway_measured);
@@ -287,7 +287,7 @@ TEST(Hud, DrawsNumbersAndBarGrowingWithForce) {
     const auto coloured = [&](float force) {
         hud::Readout readout;
         readout.link = hud::ServerLink::running;
-        readout.gum_force_n = force;
+        readout.measures.gum_force_n = force;
         target.bind_picture();
         glClearColor(0, 0, 0, 1);
         glClear(GL_COLOR_BUFFER_BIT);

@@ -239,12 +239,12 @@ TEST(PanelHistory, KeepsLastMinuteAndRestartsWithTime) {
         one.say(1.0);
     }
     const panel::Series& gum = one.model.history().series()[0];
-    ASSERT_EQ(gum.label, "gum force");
+    ASSERT_EQ(gum.field->short_label, "gum force");
     EXPECT_EQ(gum.samples.size(), 61u);
     EXPECT_NEAR(gum.samples.front().time_s, one.time_s - 60.0, 1e-6);
     EXPECT_FLOAT_EQ(gum.samples.back().value, 8.9f);
     EXPECT_FLOAT_EQ(gum.high(), 8.9f);
-    const panel::Series& load = one.model.history().series()[3];
+    const panel::Series& load = one.model.history().series().back();
     EXPECT_FLOAT_EQ(load.samples.back().value, 50.0f);
     EXPECT_EQ(load.high(), 100.0f);
     one.time_s = 0.0;
@@ -257,7 +257,8 @@ TEST(PanelHistory, HasNoAirwaySeriesOnManikin) {
     one.manikin = true;
     one.say();
     for (const panel::Series& series : one.model.history().series()) {
-        EXPECT_EQ(series.samples.empty(), series.label != "server's load") << series.label;
+        EXPECT_EQ(series.samples.empty(), series.field->short_label != "server's load")
+            << series.field->short_label;
     }
 }
 

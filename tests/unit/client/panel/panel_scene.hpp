@@ -41,8 +41,10 @@ struct PanelScene {
         auto metrics = synthetic::metrics(source, time_ns, opening);
         bus::set_runtime_parameters(live, metrics);
         metrics.parameters(bus::to_msg(manikin ? synthetic::manikin_metrics() : initial_metrics()));
-        metrics.gum_force_n(gum_force);
-        metrics.tube_depth_past_glottis(tube_depth);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, gum_force);
+        synthetic::set(metrics, &LiveMeasures::tube_depth_past_glottis, tube_depth);
+        // Optional measures without a value have no plot.
+        synthetic::set(metrics, &LiveMeasures::tube_force_n, LiveMeasures::missing);
         scene.apply(metrics);
         auto status = synthetic::status(msg::PHASE_RUNNING);
         status.header().send_time_ns(time_ns);

@@ -62,9 +62,9 @@ class Report : public ::testing::Test {
 
 TEST_F(Report, TimelineKeepsSingleStepPeaks) {
     record(600, [](std::uint64_t i, session::StepRecord& step) {
-        step.gum_force_n = i == 301 ? 7.5f : 1.0f;
-        step.glottic_opening_percent = i == 123 ? 80.0f : 0.0f;
-        step.tube_depth_past_glottis = -0.01f;
+        step.measures.gum_force_n = i == 301 ? 7.5f : 1.0f;
+        step.measures.glottic_opening_percent = i == 123 ? 80.0f : 0.0f;
+        step.measures.tube_depth_past_glottis = -0.01f;
     });
     const auto samples = json()["samples"];
     EXPECT_EQ(samples["time_s"].size(), 100u);  // 180 Hz to 30 Hz
@@ -112,8 +112,8 @@ TEST_F(Report, HandlesAllNanAndEmptySessions) {
         for (const MetricField& field : metric_fields) {
             step.metrics.*field.value = nan;
         }
-        step.gum_force_n = step.glottic_opening_percent = step.tube_depth_past_glottis =
-            session::missing_number;
+        step.measures.gum_force_n = step.measures.glottic_opening_percent =
+            step.measures.tube_depth_past_glottis = session::missing_number;
         step.proxy = session::missing_pose();
         step.tube_nodes.assign(session::sample::tube_nodes, Vec3f::Constant(session::missing_number));
     });

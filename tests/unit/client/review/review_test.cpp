@@ -138,7 +138,7 @@ TEST_F(Review, ComputesMissingSummaryFromSteps) {
             session::StepRecord step = session::sample::step(i);
             step.attempt = i < 100 ? 1 : 2;
             step.attempt_running = i < 90 || i >= 100;
-            step.tube_depth_past_glottis = i < 180 ? -0.01f : 0.012f;
+            step.measures.tube_depth_past_glottis = i < 180 ? -0.01f : 0.012f;
             step.metrics = {};
             step.metrics.gum_force_max_n = i < 100 ? 3.0 : 2.0;
             step.metrics.gum_force_mean_n = i < 100 ? 0.5 : 1.0;

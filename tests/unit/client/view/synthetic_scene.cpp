@@ -251,13 +251,19 @@ msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glotti
     live.header().simulation_time_ns(time_ns);
     live.attempt(1);
     live.attempt_running(true);
-    live.glottic_opening_percent(glottic_opening_percent);
-    live.gum_force_n(1.5f);
-    live.tube_force_n(0.25f);
+    bus::set_measures({.gum_force_n = 1.5f,
+                       .glottic_opening_percent = glottic_opening_percent,
+                       .tube_depth_past_glottis = 0.0f,
+                       .tube_force_n = 0.25f},
+                      live);
     for (const Vec3f& p : scene.landmarks) {
         live.landmarks().push_back(vec3(p));
     }
     return live;
+}
+
+void set(msg::LiveMetrics& message, float LiveMeasures::*measure, float value) {
+    message.measures()[static_cast<std::size_t>(&live_measure(measure) - live_measure_fields.data())] = value;
 }
 
 AttemptMetrics manikin_metrics() {

@@ -38,6 +38,7 @@ struct Scene {
 [[nodiscard]] msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns);
 [[nodiscard]] msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns,
                                        float glottic_opening_percent);
+void set(msg::LiveMetrics& message, float LiveMeasures::*measure, float value);
 /// Initial values, except those that a manikin cannot measure.
 [[nodiscard]] AttemptMetrics manikin_metrics();
 /// Every metric is its index in the table, except the tube's speed, which is NaN: it never entered.

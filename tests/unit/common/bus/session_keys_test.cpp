@@ -55,6 +55,22 @@ TEST(SessionKeys, NamesOfTheTablesFitTheWire) {
         EXPECT_EQ(message.parameters()[i].label().to_string(), metric_fields[i].label);
         EXPECT_EQ(message.parameters()[i].unit().to_string(), metric_fields[i].unit);
     }
+    ASSERT_EQ(message.measures().size(), live_measure_fields.size());
+    for (std::size_t i = 0; i < live_measure_fields.size(); ++i) {
+        EXPECT_EQ(message.measures()[i].name().to_string(), live_measure_fields[i].key);
+        EXPECT_EQ(message.measures()[i].label().to_string(), live_measure_fields[i].label);
+        EXPECT_EQ(message.measures()[i].unit().to_string(), live_measure_fields[i].si);
+    }
+}
+
+/// Each live measure with a distinct number.
+LiveMeasures numbered_measures() {
+    LiveMeasures measures;
+    float next = 0.5f;
+    for (const LiveMeasureField& field : live_measure_fields) {
+        measures.*field.value = next++;
+    }
+    return measures;
 }
 
 TEST(SessionKeys, EveryValueArrivesUnderItsName) {
@@ -62,6 +78,8 @@ TEST(SessionKeys, EveryValueArrivesUnderItsName) {
     msg::LiveMetrics metrics;
     set_runtime_parameters(numbered(), metrics);
     EXPECT_EQ(keys.runtime_parameters(metrics), numbered());
+    set_measures(numbered_measures(), metrics);
+    EXPECT_EQ(keys.measures(metrics), numbered_measures());
     AttemptMetrics parameters = initial_metrics();
     parameters.time_s = 12.5;
     EXPECT_EQ(keys.metrics(to_msg(parameters)).time_s, 12.5);
@@ -101,6 +119,8 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
     stranger.name("humidity");
     theirs.live().insert(theirs.live().begin(), stranger);
     std::ranges::reverse(theirs.landmarks());
+    std::ranges::reverse(theirs.measures());
+    theirs.measures().pop_back();
     const SessionKeys keys = believed(theirs);
     EXPECT_THAT(keys.key_mismatch(),
                 AllOf(HasSubstr("9.8.7"), HasSubstr(ETI_VERSION), HasSubstr("only the server knows humidity"),
@@ -111,6 +131,9 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
     for (std::size_t i = runtime_parameter_fields.size(); i-- > 1;) {
         metrics.live().push_back(values.*runtime_parameter_fields[i].value);
     }
+    for (std::size_t i = live_measure_fields.size(); i-- > 1;) {
+        metrics.measures().push_back(numbered_measures().*live_measure_fields[i].value);
+    }
     for (std::size_t i = landmark_count; i-- > 0;) {
         metrics.landmarks().push_back(to_msg(Vec3f(static_cast<float>(i), 0.0f, 0.0f)));
     }
@@ -120,6 +143,10 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
         EXPECT_EQ(heard.*runtime_parameter_fields[i].value, values.*runtime_parameter_fields[i].value)
             << runtime_parameter_fields[i].name;
     }
+    LiveMeasures measures = keys.measures(metrics);
+    EXPECT_TRUE(std::isnan(measures.*live_measure_fields[0].value));
+    measures.*live_measure_fields[0].value = numbered_measures().*live_measure_fields[0].value;
+    EXPECT_EQ(measures, numbered_measures());
     EXPECT_EQ(keys.landmarks(metrics).value()[3].x(), 3.0f);
     metrics.landmarks().pop_back();
     EXPECT_FALSE(keys.landmarks(metrics));

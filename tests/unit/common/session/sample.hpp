@@ -119,15 +119,13 @@ inline StepRecord step(std::uint64_t number) {
     record.loads.net[6] = {value(number, 301), value(number, 302), value(number, 303)};
     record.loads.place[6] = {value(number, 304), value(number, 305), value(number, 306)};
     record.eye_used = {value(number, 307), value(number, 308), value(number, 309)};
-    record.epiglottis_in_sight = value(number, 314);
-    record.oxygen_saturation = value(number, 315);
-    record.heart_rate = value(number, 316);
     record.attempt = static_cast<std::uint32_t>(number / 1000);
     record.attempt_running = number % 2 == 1;
-    record.glottic_opening_percent = value(number, 122);
-    record.gum_force_n = value(number, 123);
-    record.tube_depth_past_glottis = value(number, 124);
-    int channel = 130;
+    int channel = 400;
+    for (const LiveMeasureField& field : live_measure_fields) {
+        record.measures.*field.value = value(number, channel++);
+    }
+    channel = 130;
     for (const MetricField& field : metric_fields) {
         record.metrics.*field.value = static_cast<double>(value(number, channel++));
     }

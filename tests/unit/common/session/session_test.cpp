@@ -91,6 +91,18 @@ TEST_F(Session, DrySceneHasNoFluidGroup) {
     EXPECT_TRUE(check(path).is_valid());
 }
 
+TEST_F(Session, OlderFileLacksNewerMeasures) {
+    record(path, 10);
+    {
+        const hdf5::File file = hdf5::File::open(path, hdf5::Access::modify);
+        ASSERT_GE(H5Ldelete(file.root().id(), "metrics/tube_force_now", H5P_DEFAULT), 0);
+    }
+    const auto steps = SessionReader(path).steps();
+    ASSERT_EQ(steps.size(), 10u);
+    EXPECT_TRUE(std::isnan(steps[5].measures.tube_force_n));
+    EXPECT_EQ(steps[5].measures.gum_force_n, sample::step(5).measures.gum_force_n);
+}
+
 TEST_F(Session, RecordingIsReadBackBitIdentical) {
     constexpr std::uint64_t steps = 1000;
     record(path, steps);
@@ -224,8 +236,8 @@ TEST_F(Session, RepairKeepsIntactData) {
     for (std::uint64_t i = 0; i < steps; ++i) {
         StepRecord expected = sample::step(i);
         if (i < step_chunk) {
-            EXPECT_TRUE(std::isnan(read[i].gum_force_n));
-            expected.gum_force_n = read[i].gum_force_n;
+            EXPECT_TRUE(std::isnan(read[i].measures.gum_force_n));
+            expected.measures.gum_force_n = read[i].measures.gum_force_n;
         }
         ASSERT_TRUE(same(read[i], expected)) << "step " << i;
     }

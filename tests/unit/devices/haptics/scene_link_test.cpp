@@ -34,8 +34,7 @@ struct Server {
     static msg::LiveMetrics metrics() {
         msg::LiveMetrics out;
         out.header(bus::make_header(7 * step_ns, 1));
-        out.glottic_opening_percent(44.0f);
-        out.tube_depth_past_glottis(-0.02f);
+        bus::set_measures({.glottic_opening_percent = 44.0f, .tube_depth_past_glottis = -0.02f}, out);
         out.tube_tip(bus::to_msg(Vec3f(0.1f, 0.2f, 0.3f)));
         for (std::size_t i = 0; i < landmark_count; ++i) {
             out.landmarks().push_back(bus::to_msg(Vec3f(static_cast<float>(i), 0, 0)));

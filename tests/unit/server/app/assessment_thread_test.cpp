@@ -100,9 +100,9 @@ TEST(AssessmentThread, AsynchronousResultsMatchSynchronous) {
         ASSERT_EQ(a.proxy.translation, b.proxy.translation);
         ASSERT_EQ(a.attempt, b.attempt);
         ASSERT_EQ(a.attempt_running, b.attempt_running);
-        ASSERT_EQ(a.glottic_opening_percent, b.glottic_opening_percent);
-        seen = seen || a.glottic_opening_percent > 50.0f;
-        hidden = hidden || a.glottic_opening_percent < 50.0f;
+        ASSERT_EQ(a.measures.glottic_opening_percent, b.measures.glottic_opening_percent);
+        seen = seen || a.measures.glottic_opening_percent > 50.0f;
+        hidden = hidden || a.measures.glottic_opening_percent < 50.0f;
         for (const MetricField& field : metric_fields) {
             ASSERT_TRUE(same(a.metrics.*field.value, b.metrics.*field.value)) << "step " << a.step;
         }

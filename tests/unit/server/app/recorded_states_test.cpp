@@ -119,9 +119,9 @@ TEST_F(RecordedStatesTest, MetricsMatchRecording) {
     record(120, [&](float step) {
         live.attempt = 2;
         live.attempt_running = step < 100.0f;
-        live.gum_force = step > 50.0f ? 0.1f * step : 0.0f;
-        live.glottic_opening_percent = step;
-        live.tube_depth_past_glottis = -0.01f;
+        live.measures.gum_force_n = step > 50.0f ? 0.1f * step : 0.0f;
+        live.measures.glottic_opening_percent = step;
+        live.measures.tube_depth_past_glottis = -0.01f;
         parameters.time_s = static_cast<double>(step) / 180.0;
         if (step > 50.0f) {
             snapshot.shell_contacts = {
@@ -130,15 +130,15 @@ TEST_F(RecordedStatesTest, MetricsMatchRecording) {
     });
     const Recording recording = read_recording(path);
     RecordedStates states(recording, Scenario{});
-    const AttemptStatus& late = states.measures(110);
+    const AttemptStatus& late = states.status(110);
     EXPECT_EQ(late.attempt, 2u);
     EXPECT_FALSE(late.attempt_running);
-    EXPECT_EQ(late.gum_force, 0.1f * 111.0f);
-    EXPECT_EQ(late.glottic_opening_percent, 111.0f);
-    EXPECT_EQ(late.tube_depth_past_glottis, -0.01f);
+    EXPECT_EQ(late.measures.gum_force_n, 0.1f * 111.0f);
+    EXPECT_EQ(late.measures.glottic_opening_percent, 111.0f);
+    EXPECT_EQ(late.measures.tube_depth_past_glottis, -0.01f);
     EXPECT_EQ(late.metrics.time_s, 111.0 / 180.0);
     EXPECT_FALSE(late.eye);
-    EXPECT_TRUE(states.measures(10).attempt_running);
+    EXPECT_TRUE(states.status(10).attempt_running);
     EXPECT_TRUE(states.at(10).shell_contacts.empty());
     ASSERT_EQ(states.at(110).shell_contacts.size(), 1u);
     EXPECT_EQ(states.at(110).shell_contacts[0].force, 0.1f * 111.0f);

@@ -142,6 +142,7 @@ TEST(Metrics, NoVitalSignsWithoutPhysiology) {
 
 TEST(Metrics, ForcesAreAggregatedPerTissue) {
     Session run;
+    float tongue_force = 0.0f;
     run.play(0.5, [&](double, scene::Snapshot& s, GlotticView&) { place_blade(s, run.scope, -0.05f); });
     run.play(6.0, [&](double t, scene::Snapshot& s, GlotticView&) {
         place_blade(s, run.scope, 0.03f);
@@ -165,7 +166,10 @@ TEST(Metrics, ForcesAreAggregatedPerTissue) {
             particle.force = {0, 2.0f, 1.5f};
             s.tissue_contacts.push_back(particle);
         }
+        tongue_force = std::max(tongue_force, run.metrics.live().measures.tongue_force_n);
     });
+    EXPECT_NEAR(tongue_force, std::hypot(4.0, 1.5), 1e-6);
+    EXPECT_EQ(run.metrics.live().measures.tongue_force_n, 0.0f) << "no longer touched";
     run.metrics.finish();
     const AttemptMetrics& p = run.metrics.attempts()[0].metrics;
     EXPECT_NEAR(p.gum_force_max_n, 3.5, 1e-6);
