@@ -4,8 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-#include <cstdlib>
+#include <array>
 
 #include "common/math/units.hpp"
 #include "common/process/escaped.hpp"
@@ -15,19 +14,6 @@
 namespace eti {
 
 namespace {
-
-std::vector<std::filesystem::path> data_folders(const std::string& kind) {
-    std::vector<std::filesystem::path> folders;
-    if (const char* own = std::getenv("ETI_DATA"); own != nullptr && *own != '\0') {
-        folders.push_back(std::filesystem::path(own) / kind);
-    }
-    std::error_code error;
-    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-    if (!error) {
-        folders.push_back(program.parent_path().parent_path() / "share" / "neoeti" / kind);
-    }
-    return folders;
-}
 
 /// The rows of a table that belong to `section`.
 template <class Rows, class Values>
@@ -75,47 +61,6 @@ void reject_keys_fixed_by_model(const YamlMap& map, std::span<const std::string>
         }
     }
 }
-
-}  // namespace
-
-std::vector<std::string> data_names(const std::string& kind) {
-    std::vector<std::string> names;
-    std::error_code error;
-    for (const std::filesystem::path& folder : data_folders(kind)) {
-        for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end;
-             i.increment(error)) {
-            if (i->path().extension() == ".yaml") {
-                names.push_back(i->path().stem().string());
-            }
-        }
-    }
-    std::sort(names.begin(), names.end());
-    names.erase(std::unique(names.begin(), names.end()), names.end());
-    return names;
-}
-
-std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind) {
-    const std::filesystem::path given(name_or_path);
-    std::error_code error;
-    if (std::filesystem::is_regular_file(given, error)) {
-        return given;
-    }
-    std::vector<std::string> searched;
-    // A name, not a path: it cannot leave the data folders.
-    const bool is_name = !name_or_path.empty() && given.filename() == given && given != ".." && given != ".";
-    for (const std::filesystem::path& folder : data_folders(kind)) {
-        searched.push_back(folder.string());
-        if (is_name && std::filesystem::is_regular_file(folder / (name_or_path + ".yaml"), error)) {
-            return folder / (name_or_path + ".yaml");
-        }
-    }
-    const std::vector<std::string> names = data_names(kind);
-    throw InputError(fmt::format("'{}' is neither a file nor a name in {}; names there are: {}", name_or_path,
-                                 fmt::join(searched, ", "),
-                                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
-}
-
-namespace {
 
 /// Whether the patient model's file must exist for its scenario to be valid; a recorded one may have moved.
 enum class ModelFile { required, may_be_absent };

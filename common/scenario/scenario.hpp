@@ -4,15 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "common/model/liquid_kind.hpp"
 #include "common/model/newborn_shape.hpp"
 #include "common/model/runtime_parameters.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools/tools.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti {
 
@@ -54,19 +53,6 @@ struct Scenario {
         false;  ///< pauses simulation time while a connected device is silent; else time continues
     std::uint64_t seed = 1;
 };
-
-/// A mistake in a user's file: states file, line, key, what was found and what was expected.
-class InputError : public std::runtime_error {
-  public:
-    using std::runtime_error::runtime_error;
-};
-
-/// Names of a `kind` that find_data_file() finds, sorted.
-[[nodiscard]] std::vector<std::string> data_names(const std::string& kind);
-
-/// Resolves a scenario, operator or preset by name (a file `NAME.yaml` in the data folder's `kind` folder) or
-/// by path. Throws InputError naming the searched folders and the available names.
-[[nodiscard]] std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind);
 
 /// Reads and validates a scenario. Throws InputError instead of returning a partial one.
 [[nodiscard]] Scenario load_scenario(const std::filesystem::path& file);

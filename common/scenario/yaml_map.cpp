@@ -8,19 +8,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <unordered_set>
 
 #include "common/process/escaped.hpp"
-#include "common/process/files/file_kind.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti {
 
 namespace {
 
-constexpr std::uintmax_t largest_file = 1024 * 1024;
 constexpr int max_depth = 12;
 constexpr int max_nodes = 10'000;
 constexpr std::size_t longest_text = 500;
@@ -203,25 +200,6 @@ std::string guess(const std::string& word, std::span<const std::string> known) {
 }
 
 }  // namespace
-
-std::string read_text_file(const std::filesystem::path& file) {
-    if (const std::string kind = describe_non_regular(file); !kind.empty()) {
-        throw InputError(fmt::format("{}: found {}, expected a file; check the path", file.string(), kind));
-    }
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error || size > largest_file) {
-        throw InputError(fmt::format("{}: {} bytes, expected at most {}; is this the right file?",
-                                     file.string(), size, largest_file));
-    }
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in) {
-        throw InputError(fmt::format("{}: could not be read; check its permissions", file.string()));
-    }
-    return text.str();
-}
 
 YamlMap::YamlMap(YAML::Node node, std::string file, std::string path)
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {

@@ -4,7 +4,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,9 +19,6 @@ struct Range {
     float low, high;
     float unit = 1.0f;  ///< SI value of one typed unit, e.g. 1e-3 for millimetres
 };
-
-/// Reads a whole file of at most 1 MiB. Throws InputError.
-[[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
 /// A YAML mapping, read strictly: every access names the key it expects, and finish() rejects keys that were
 /// never read. All errors are InputErrors that state file, line and key, what was found, what was expected

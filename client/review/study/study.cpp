@@ -10,7 +10,7 @@
 
 #include "client/review/output.hpp"
 #include "common/operator/operator.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::review {

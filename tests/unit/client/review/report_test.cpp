@@ -9,7 +9,7 @@
 
 #include "client/review/export.hpp"
 #include "client/review/report.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
