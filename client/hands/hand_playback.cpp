@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
-#include "common/scenario/data_file.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::hands {

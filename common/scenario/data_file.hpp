@@ -15,6 +15,14 @@ class InputError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// A key as its reader describes it, for documents.
+struct KeyDescription {
+    std::string key;        ///< with its section: "physics.substeps"
+    std::string values;     ///< "a whole number from 1 to 64"
+    std::string otherwise;  ///< the default, as typed
+    std::string help;
+};
+
 /// Names of a `kind` that find_data_file() finds, sorted.
 [[nodiscard]] std::vector<std::string> data_names(const std::string& kind);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/model/liquid_kind.hpp"
 #include "common/model/newborn_shape.hpp"
@@ -59,5 +60,8 @@ struct Scenario {
 
 /// The same from text. `file` is only used in errors, and gives the name where the text has none.
 [[nodiscard]] Scenario parse_scenario(const std::string& text, const std::filesystem::path& file);
+
+/// The keys beside those of shape_fields, tube_fields and runtime_parameter_fields.
+[[nodiscard]] std::vector<KeyDescription> describe_scenario();
 
 }  // namespace eti

@@ -7,7 +7,6 @@
 #include <array>
 #include <string_view>
 
-#include "common/scenario/data_file.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::review {
