@@ -3,6 +3,7 @@
 #include "common/scenario/scenario.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <array>
 
@@ -216,6 +217,15 @@ Scenario load_scenario(const std::filesystem::path& file) {
 
 Scenario parse_scenario(const std::string& text, const std::filesystem::path& file) {
     return parse(text, file, ModelFile::may_be_absent);
+}
+
+Scenario shown_scenario(const std::string& text) {
+    try {
+        return parse_scenario(text, "the session's scenario");
+    } catch (const InputError& error) {
+        spdlog::warn("{}; shown are the defaults", error.what());
+        return {};
+    }
 }
 
 std::vector<KeyDescription> describe_scenario() {

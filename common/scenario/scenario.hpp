@@ -61,6 +61,10 @@ struct Scenario {
 /// The same from text. `file` is only used in errors, and gives the name where the text has none.
 [[nodiscard]] Scenario parse_scenario(const std::string& text, const std::filesystem::path& file);
 
+/// The scenario of a running or recorded session, as what shows the session needs it: the defaults where this
+/// version cannot read its text.
+[[nodiscard]] Scenario shown_scenario(const std::string& text);
+
 /// The keys beside those of shape_fields, tube_fields and runtime_parameter_fields.
 [[nodiscard]] std::vector<KeyDescription> describe_scenario();
 

@@ -189,6 +189,13 @@ TEST(Scenario, IndentingTabsAreNamed) {
     EXPECT_EQ(scenario_refusal("patient:\n  weight_kg:\t3.5\n"), "");
 }
 
+TEST(Scenario, UnreadableOneIsShownWithDefaults) {
+    EXPECT_FLOAT_EQ(shown_scenario("time_limit_s: 20\n").time_limit, 20);
+    for (const char* text : {"", "a_key_of_tomorrow: 1\n", "time_limit_s: [\n"}) {
+        EXPECT_EQ(shown_scenario(text).time_limit, Scenario().time_limit) << text;
+    }
+}
+
 TEST(Scenario, ControlSequencesInNamesAreRefused) {
     for (const char* const key : {"name", "description"}) {
         for (const char* const text : {"\"\\e[31mred\"", "\"bell \\a\"", "\"a\\rb\"", "\"\\x9b31m\""}) {
