@@ -9,6 +9,7 @@
 
 #include "client/review/output.hpp"
 #include "common/model/aims.hpp"
+#include "common/scenario/scenario.hpp"
 
 namespace eti::review {
 
@@ -202,6 +203,7 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
     ordered_json out;
     out["file"] = summary.file.filename().string();
     put_session(out, summary);
+    out["debriefing"] = shown_scenario(summary.info.scenario_text).debriefing;
     out["live"] = summary.live;
     out["run"] = record_json(summary.run, summary, first);
     out["attempts"] = ordered_json::array();

@@ -85,6 +85,8 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     YamlMap root = YamlMap::parse(text, file.string());
     s.name = root.name("name", file.stem().string(), "Name of the session in records and on screen");
     s.description = root.text("description", "", "Shown beside the name as the session begins");
+    s.debriefing = root.text(
+        "debriefing", "", "What to discuss afterwards; shown once the session has ended, and in the report");
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);

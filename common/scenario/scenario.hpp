@@ -20,6 +20,7 @@ namespace eti {
 struct Scenario {
     std::string name;
     std::string description;
+    std::string debriefing;        ///< what to discuss after the session
     std::string text;              ///< the file as read, for the session record
     std::filesystem::path folder;  ///< of that file; other file names in it are relative to this
 

@@ -35,6 +35,9 @@ export function outcomes({ sessions }) {
       column.append(element("p", { class: "attempt" }, outcomeLight(attempt),
         ` Attempt ${attempt.attempt}: ${outcomeWord(attempt).toLowerCase()}. ${attempt.reason}`));
     }
+    if (session.debriefing) {
+      column.append(element("p", {}, `To discuss: ${session.debriefing}`));
+    }
     columns.append(column);
   });
   return element("section", { id: "outcome" }, columns);

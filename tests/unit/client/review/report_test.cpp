@@ -35,6 +35,7 @@ class Report : public ::testing::Test {
                 const std::vector<session::SummaryRecord>& summaries = {}) const {
         session::SessionInfo info = session::sample::info();
         info.scenario = hostile;
+        info.scenario_text = "debriefing: was the view held?\n";
         session::SessionWriter writer(path, info, session::sample::scene(), {});
         for (std::uint64_t i = 0; i < steps; ++i) {
             session::StepRecord step = session::sample::step(i);
@@ -100,6 +101,11 @@ TEST_F(Report, ListsWorstMissFirstWithItsTime) {
     EXPECT_EQ(practise[1]["key"], "time_s");
     EXPECT_EQ(practise[1]["light"], "near");
     EXPECT_NEAR(practise[1]["time_s"].get<double>(), 3.0, 1e-6);
+}
+
+TEST_F(Report, HasTheScenariosDebriefing) {
+    record(10, [](std::uint64_t, session::StepRecord&) {});
+    EXPECT_EQ(json()["debriefing"], "was the view held?");
 }
 
 TEST_F(Report, OutcomeIsUnknownWithoutSummary) {

@@ -42,6 +42,7 @@ TEST(Scenario, EveryKeyArrivesInItsUnit) {
     const Scenario s = read(R"(
 name: baby
 description: tries every key
+debriefing: was the view held?
 patient: {weight_kg: 1.1, gestational_age_weeks: 28, tongue_scale: 1.15, head_elevation_deg: 25,
           jaw_opening_deg: 20, tissue_stiffness_kpa: 9}
 laryngoscope: {blade: miller_0}
@@ -56,6 +57,7 @@ seed: 42
 )");
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.description, "tries every key");
+    EXPECT_EQ(s.debriefing, "was the view held?");
     EXPECT_FLOAT_EQ(s.patient.shape.weight, 1.1f);
     EXPECT_FLOAT_EQ(s.patient.shape.gestational_age, 28);
     EXPECT_FLOAT_EQ(s.patient.shape.tongue_scale, 1.15f);
