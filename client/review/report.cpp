@@ -219,6 +219,8 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
                                  {"kind", event.kind},
                                  {"text", event.text}});
     }
+    out["ratings"] = ratings_json(summary.ratings);
+    out["answers"] = answers_json(summary.answers);
     return out;
 }
 

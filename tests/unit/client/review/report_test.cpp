@@ -103,9 +103,13 @@ TEST_F(Report, ListsWorstMissFirstWithItsTime) {
     EXPECT_NEAR(practise[1]["time_s"].get<double>(), 3.0, 1e-6);
 }
 
-TEST_F(Report, HasTheScenariosDebriefing) {
+TEST_F(Report, HasDebriefingRatingsAndAnswers) {
     record(10, [](std::uint64_t, session::StepRecord&) {});
+    session::add_ratings(path, {{"ada", "blade", 4, ""}});
+    session::add_answers(path, {{"tlx", "effort", "How hard was it?", "2", ""}});
     EXPECT_EQ(json()["debriefing"], "was the view held?");
+    EXPECT_EQ(json()["ratings"][0]["score"], 4);
+    EXPECT_EQ(json()["answers"][0]["text"], "How hard was it?");
 }
 
 TEST_F(Report, OutcomeIsUnknownWithoutSummary) {
