@@ -51,6 +51,11 @@ def scenario(tables):
                    r["help"]] for r in tables["scenario"]])
 
 
+def scenario_other(tables):
+    return table(["key", "values", "default", "what it changes"],
+                 [[f"`{r['key']}`", r["values"], r["default"] or "none", r["help"]] for r in tables["scenario_other"]])
+
+
 def live(tables):
     return table(["key of `--set`", "range", "how it gets there", "what it changes"],
                  [[f"`{r['key']}`", f"{number(r['low'])} to {number(r['high'])}", rate_of(r), r["help"]]
@@ -69,7 +74,7 @@ def thresholds(tables):
                   for r in tables["thresholds"]])
 
 
-MAKERS = {"thresholds": thresholds, "scenario": scenario, "live": live, "parameters": parameters}
+MAKERS = {"thresholds": thresholds, "scenario": scenario, "scenario_other": scenario_other, "live": live, "parameters": parameters}
 
 
 def main():

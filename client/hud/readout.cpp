@@ -182,6 +182,9 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
     if (scene.description() && (readout.link == ServerLink::waiting || readout.time_s < description_for_s)) {
         readout.description = scene.description()->description().to_string();
     }
+    if (readout.link == ServerLink::finished && !scene.scenario().debriefing.empty()) {
+        readout.description = scene.scenario().debriefing;
+    }
     readout.note = note_now(scene);
     readout.verdict = verdict_now(scene, readout);
     return readout;

@@ -60,8 +60,8 @@ struct Readout {
     float server_load = 0.0f;           ///< step time divided by step budget
     float behind_s = 0.0f;              ///< wall clock minus simulation time
     std::string scenario;               ///< its name
-    std::string description;            ///< of the scenario, in the first seconds and while waiting; else
-                                        ///< empty
+    std::string description;            ///< of the scenario, in the first seconds and while waiting; its
+                                        ///< debriefing once the session has finished; else empty
     std::string message;                ///< the server's newest message
     std::string warning;                ///< a second server, or a device that went silent; else empty
     std::string note;                   ///< last note of an instructor or observer, shown for some seconds

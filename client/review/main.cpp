@@ -22,7 +22,7 @@
 #include "common/process/escaped.hpp"
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/session/repair/check.hpp"
 
 namespace {

@@ -10,6 +10,7 @@
 
 #include "client/review/output.hpp"
 #include "common/model/aims.hpp"
+#include "common/scenario/scenario.hpp"
 
 namespace eti::review {
 
@@ -201,6 +202,7 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
     ordered_json out;
     out["file"] = summary.file.filename().string();
     put_session(out, summary);
+    out["debriefing"] = shown_scenario(summary.info.scenario_text).debriefing;
     out["live"] = summary.live;
     out["run"] = record_json(summary.run, summary, first);
     out["attempts"] = ordered_json::array();
@@ -216,6 +218,8 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
                                  {"kind", event.kind},
                                  {"text", event.text}});
     }
+    out["ratings"] = ratings_json(summary.ratings);
+    out["answers"] = answers_json(summary.answers);
     return out;
 }
 

@@ -12,7 +12,7 @@
 #include "client/review/summary.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/progress_bar.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti::review {
 

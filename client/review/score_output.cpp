@@ -10,7 +10,6 @@
 
 #include "client/review/output.hpp"
 #include "client/review/score.hpp"
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::review {

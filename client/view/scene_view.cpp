@@ -81,6 +81,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     keys_ = std::move(keys);
     liquid_detail_.set_kind(properties_of(keys_->liquid()));
     description_ = message;
+    scenario_ = shown_scenario(message.scenario_text());
     tube_.emplace(keys_->tube());
     tube_moved_ = !tube_nodes_.empty();
     rest_landmarks_ = keys_->rest_landmarks();

@@ -20,6 +20,7 @@
 #include "common/mesh/skinning.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/runtime_parameters.hpp"
+#include "common/scenario/scenario.hpp"
 #include "idl/eti_wire.hpp"
 
 namespace eti::view {
@@ -77,6 +78,8 @@ class SceneView {
     /// Set once the session's description has arrived; there is no scene before.
     [[nodiscard]] const std::optional<bus::SessionKeys>& keys() const { return keys_; }
     [[nodiscard]] const std::optional<msg::SessionDescription>& description() const { return description_; }
+    /// The session's scenario; defaults until its description has arrived.
+    [[nodiscard]] const Scenario& scenario() const { return scenario_; }
 
     [[nodiscard]] const std::optional<msg::LiveMetrics>& metrics() const { return metrics_; }
     /// NaN for measures that the server does not publish.
@@ -128,6 +131,7 @@ class SceneView {
 
     std::optional<bus::SessionKeys> keys_;
     std::optional<msg::SessionDescription> description_;
+    Scenario scenario_;
     std::map<std::string, msg::ObjectKind> arrived_;
     std::uint32_t object_count_ = 0;
     std::uint64_t scene_revision_ = 0;

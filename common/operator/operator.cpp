@@ -3,7 +3,6 @@
 #include "common/operator/operator.hpp"
 
 #include "common/math/units.hpp"
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {

@@ -4,7 +4,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {

@@ -3,9 +3,9 @@
 #include "common/scenario/scenario.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <cstdlib>
+#include <array>
 
 #include "common/math/units.hpp"
 #include "common/process/escaped.hpp"
@@ -15,19 +15,6 @@
 namespace eti {
 
 namespace {
-
-std::vector<std::filesystem::path> data_folders(const std::string& kind) {
-    std::vector<std::filesystem::path> folders;
-    if (const char* own = std::getenv("ETI_DATA"); own != nullptr && *own != '\0') {
-        folders.push_back(std::filesystem::path(own) / kind);
-    }
-    std::error_code error;
-    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-    if (!error) {
-        folders.push_back(program.parent_path().parent_path() / "share" / "neoeti" / kind);
-    }
-    return folders;
-}
 
 /// The rows of a table that belong to `section`.
 template <class Rows, class Values>
@@ -48,8 +35,18 @@ void read_fields(YamlMap& map, std::string_view section, const Rows& rows, Value
     }
 }
 
+/// The kind that a key names.
+template <class Kind>
+void choose(YamlMap& map, const std::string& key, Kind& kind, std::span<const std::string_view> names,
+            std::string_view help) {
+    kind = static_cast<Kind>(map.choice(key, static_cast<std::size_t>(kind), names, help));
+}
+
 void read_shape(YamlMap& patient, NewbornShape& shape) {
-    apply(static_cast<AirwayVariant>(patient.choice("variant", 0, airway_variant_names)), shape);
+    AirwayVariant variant = AirwayVariant::normal;
+    choose(patient, "variant", variant, airway_variant_names,
+           "Preset of the patient's shape; keys given explicitly take precedence");
+    apply(variant, shape);
     const std::span rows(shape_fields);
     read_fields(patient, "patient", rows.first(1), shape);
     if (patient.has(rows[0].key())) {
@@ -76,62 +73,29 @@ void reject_keys_fixed_by_model(const YamlMap& map, std::span<const std::string>
     }
 }
 
-}  // namespace
-
-std::vector<std::string> data_names(const std::string& kind) {
-    std::vector<std::string> names;
-    std::error_code error;
-    for (const std::filesystem::path& folder : data_folders(kind)) {
-        for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end;
-             i.increment(error)) {
-            if (i->path().extension() == ".yaml") {
-                names.push_back(i->path().stem().string());
-            }
-        }
-    }
-    std::sort(names.begin(), names.end());
-    names.erase(std::unique(names.begin(), names.end()), names.end());
-    return names;
-}
-
-std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind) {
-    const std::filesystem::path given(name_or_path);
-    std::error_code error;
-    if (std::filesystem::is_regular_file(given, error)) {
-        return given;
-    }
-    std::vector<std::string> searched;
-    // A name, not a path: it cannot leave the data folders.
-    const bool is_name = !name_or_path.empty() && given.filename() == given && given != ".." && given != ".";
-    for (const std::filesystem::path& folder : data_folders(kind)) {
-        searched.push_back(folder.string());
-        if (is_name && std::filesystem::is_regular_file(folder / (name_or_path + ".yaml"), error)) {
-            return folder / (name_or_path + ".yaml");
-        }
-    }
-    const std::vector<std::string> names = data_names(kind);
-    throw InputError(fmt::format("'{}' is neither a file nor a name in {}; names there are: {}", name_or_path,
-                                 fmt::join(searched, ", "),
-                                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
-}
-
-namespace {
-
 /// Whether the patient model's file must exist for its scenario to be valid; a recorded one may have moved.
 enum class ModelFile { required, may_be_absent };
 
-Scenario parse(const std::string& text, const std::filesystem::path& file, ModelFile model_file) {
+/// `described`: takes the keys that were read, if given.
+Scenario parse(const std::string& text, const std::filesystem::path& file, ModelFile model_file,
+               std::vector<KeyDescription>* described = nullptr) {
     Scenario s;
     s.text = text;
     s.folder = file.parent_path();
     YamlMap root = YamlMap::parse(text, file.string());
-    s.name = root.name("name", file.stem().string());
-    s.description = root.text("description", "");
+    s.name = root.name("name", file.stem().string(), "Name of the session in records and on screen");
+    s.description = root.text("description", "", "Shown beside the name as the session begins");
+    s.debriefing = root.text(
+        "debriefing", "", "What to discuss afterwards; shown once the session has ended, and in the report");
     if (auto patient = root.map("patient")) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);
         read_fields(*patient, "patient", runtime_parameter_fields, s.runtime_parameters);
-        if (const std::string model = patient->text("model", ""); !model.empty()) {
+        if (const std::string model = patient->text(
+                "model", "",
+                "A model written by 'eti-anatomy build', relative to the scenario; shape, stiffness and "
+                "spacings are then fixed by the model and may not be given");
+            !model.empty()) {
             std::vector<std::string> held = {"variant", find_runtime_parameter("tissue_stiffness")->key()};
             for (const ShapeField& field : shape_fields) {
                 held.push_back(field.key());
@@ -139,8 +103,9 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             reject_keys_fixed_by_model(*patient, held);
             // Relative to the scenario, wherever the server was started.
             p.model = s.folder / model;
-            if (const std::string kind = describe_non_regular(p.model);
-                model_file == ModelFile::required && !kind.empty()) {
+            if (const std::string kind =
+                    model_file == ModelFile::required ? describe_non_regular(p.model) : "";
+                !kind.empty()) {
                 patient->refuse(
                     "model", fmt::format("'{}', where there is {}", escaped(p.model.string()), kind),
                     "a file that 'eti-anatomy build --out' wrote; build it, or mend the path, which "
@@ -151,7 +116,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     }
     if (auto scope = root.map("laryngoscope")) {
         static constexpr std::array<std::string_view, 2> blades = {"miller_0", "miller_1"};
-        s.blade = static_cast<Blade>(scope->choice("blade", static_cast<std::size_t>(s.blade), blades));
+        choose(*scope, "blade", s.blade, blades, "Blade of 76 or 100 mm");
         scope->finish();
     }
     if (auto tube = root.map("tube")) {
@@ -168,12 +133,21 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     s.tube.outer_diameter = outer_diameter_of(s.tube.inner_diameter);
     if (auto physics = root.map("physics")) {
         Scenario::Physics& p = s.physics;
-        p.substeps = physics->whole("substeps", p.substeps, 1, 64);
-        p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre});
-        p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre});
-        p.region = physics->number("region_mm", p.region, {4, 40, millimetre});
-        p.tissue_method = static_cast<TissueMethod>(
-            physics->choice("tissue_method", static_cast<std::size_t>(p.tissue_method), tissue_method_names));
+        p.substeps = physics->whole(
+            "substeps", p.substeps, 1, 64,
+            "Substeps per 1/180 s step for clusters, contacts and the tube; time is proportional to it. The "
+            "forces of the implicit tongue do not depend on it");
+        p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre},
+                                    "Particle spacing in the bulk; time grows with its inverse cube");
+        p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre},
+                                         "The same at epiglottis and larynx, at most `spacing_mm`");
+        p.region = physics->number("region_mm", p.region, {4, 40, millimetre},
+                                   "Tissue farther from the airway moves rigidly with the bones");
+        choose(
+            *physics, "tissue_method", p.tissue_method, tissue_method_names,
+            "How the tongue is computed. `implicit`: neo-Hookean tetrahedra with a converged implicit step. "
+            "`tetrahedra`: the same by XPBD, too soft under the blade. `clusters`: shape matching, which "
+            "lets the tongue be squeezed");
         if (!s.patient.model.empty()) {
             static const std::array<std::string, 3> held = {"spacing_mm", "fine_spacing_mm", "region_mm"};
             reject_keys_fixed_by_model(*physics, held);
@@ -182,8 +156,12 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
         }
-        p.self_contact = physics->flag("self_contact", p.self_contact);
-        p.sleep = physics->flag("sleep", p.sleep);
+        p.self_contact = physics->flag("self_contact", p.self_contact,
+                                       "Self-contact of tongue, epiglottis and pharyngeal walls");
+        p.sleep =
+            physics->flag("sleep", p.sleep,
+                          "Whether tissue at rest without a tool nearby is skipped until something moves "
+                          "it; saves most of the time of an idle scene");
         physics->finish();
     }
     if (auto view = root.map("view")) {
@@ -191,10 +169,15 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
         view->finish();
     }
     static constexpr std::array<std::string_view, 3> secretions = {"off", "on", "standby"};
-    const std::size_t secretion = root.choice("saliva", 0, secretions);
+    const std::size_t secretion = root.choice(
+        "saliva", 0, secretions,
+        "Secretions in mouth and throat: a pool behind the tongue, a film on it, and flow from the "
+        "glands; the laryngoscope's suction removes them. `standby`: none until an instructor "
+        "switches them on");
     s.saliva = secretion != 0;
     s.saliva_standby = secretion == 2;
-    s.liquid = static_cast<LiquidKind>(root.choice("liquid", 0, liquid_kind_names));
+    choose(root, "liquid", s.liquid, liquid_kind_names,
+           "Rheology and appearance of the secretions; needs `saliva` on or standby");
     if (!s.saliva && s.liquid != LiquidKind::saliva) {
         root.refuse("liquid", std::string(name_of(s.liquid)),
                     "saliva, or none: without 'saliva: on' or 'saliva: standby' there is no liquid");
@@ -203,18 +186,28 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     s.runtime_parameters.head_scale = s.patient.shape.head_scale;
     s.runtime_parameters.tongue_scale = s.patient.shape.tongue_scale;
     static constexpr std::array<std::string_view, 2> silences = {"go_on", "freeze"};
-    s.freeze_on_silence = root.choice("silent_device", 0, silences) == 1;
-    s.time_limit = root.number("time_limit_s", s.time_limit, {1, 600});
-    static constexpr std::array<std::string_view, 2> switches = {"off", "on"};
-    s.vital_signs = root.choice("vital_signs", 0, switches) == 1;
-    s.manikin = root.choice("manikin", 0, switches) == 1;
+    choose(
+        root, "silent_device", s.freeze_on_silence, silences,
+        "When a device that was connected sends nothing for 0.5 s. `go_on`: its tool stays in place and the "
+        "attempt continues. `freeze`: simulation time stops until the device is back");
+    s.time_limit =
+        root.number("time_limit_s", s.time_limit, {1, 600}, "A longer attempt is marked as over time");
+    s.vital_signs = root.flag("vital_signs", s.vital_signs,
+                              "Whether oxygen saturation and heart rate fall during an attempt and recover "
+                              "after it");
+    s.manikin = root.flag("manikin", s.manikin,
+                          "A real manikin replaces the patient; only the tools' poses are tracked");
     if (s.manikin && (s.saliva || s.vital_signs)) {
         root.refuse("manikin", fmt::format("'on' beside '{}'", s.saliva ? "saliva" : "vital_signs"),
                     "one of the two; a manikin has neither");
     }
-    s.inspired_oxygen = root.number("inspired_oxygen_percent", s.inspired_oxygen, {21, 100, 0.01f});
-    s.seed = root.seed("seed", s.seed);
+    s.inspired_oxygen = root.number("inspired_oxygen_percent", s.inspired_oxygen, {21, 100, 0.01f},
+                                    "Oxygen in the gas that ventilates the newborn between attempts");
+    s.seed = root.seed("seed", s.seed, "Random seed; the same seed gives the same session");
     root.finish();
+    if (described != nullptr) {
+        *described = root.described();
+    }
     return s;
 }
 
@@ -226,6 +219,22 @@ Scenario load_scenario(const std::filesystem::path& file) {
 
 Scenario parse_scenario(const std::string& text, const std::filesystem::path& file) {
     return parse(text, file, ModelFile::may_be_absent);
+}
+
+Scenario shown_scenario(const std::string& text) {
+    try {
+        return parse_scenario(text, "the session's scenario");
+    } catch (const InputError& error) {
+        spdlog::warn("{}; shown are the defaults", error.what());
+        return {};
+    }
+}
+
+std::vector<KeyDescription> describe_scenario() {
+    std::vector<KeyDescription> keys;
+    (void)parse("patient: {}\nlaryngoscope: {}\ntube: {}\nphysics: {}\nview: {}\n", "the file's name",
+                ModelFile::may_be_absent, &keys);
+    return keys;
 }
 
 }  // namespace eti

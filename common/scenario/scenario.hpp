@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "common/model/runtime_parameters.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools/tools.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti {
 
@@ -20,6 +20,7 @@ namespace eti {
 struct Scenario {
     std::string name;
     std::string description;
+    std::string debriefing;        ///< what to discuss after the session
     std::string text;              ///< the file as read, for the session record
     std::filesystem::path folder;  ///< of that file; other file names in it are relative to this
 
@@ -55,23 +56,17 @@ struct Scenario {
     std::uint64_t seed = 1;
 };
 
-/// A mistake in a user's file: states file, line, key, what was found and what was expected.
-class InputError : public std::runtime_error {
-  public:
-    using std::runtime_error::runtime_error;
-};
-
-/// Names of a `kind` that find_data_file() finds, sorted.
-[[nodiscard]] std::vector<std::string> data_names(const std::string& kind);
-
-/// Resolves a scenario, operator or preset by name (a file `NAME.yaml` in the data folder's `kind` folder) or
-/// by path. Throws InputError naming the searched folders and the available names.
-[[nodiscard]] std::filesystem::path find_data_file(const std::string& name_or_path, const std::string& kind);
-
 /// Reads and validates a scenario. Throws InputError instead of returning a partial one.
 [[nodiscard]] Scenario load_scenario(const std::filesystem::path& file);
 
 /// The same from text. `file` is only used in errors, and gives the name where the text has none.
 [[nodiscard]] Scenario parse_scenario(const std::string& text, const std::filesystem::path& file);
+
+/// The scenario of a running or recorded session, as what shows the session needs it: the defaults where this
+/// version cannot read its text.
+[[nodiscard]] Scenario shown_scenario(const std::string& text);
+
+/// The keys beside those of shape_fields, tube_fields and runtime_parameter_fields.
+[[nodiscard]] std::vector<KeyDescription> describe_scenario();
 
 }  // namespace eti

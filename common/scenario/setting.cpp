@@ -9,7 +9,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti {

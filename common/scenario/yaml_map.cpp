@@ -8,19 +8,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <limits>
 #include <sstream>
 #include <unordered_set>
 
 #include "common/process/escaped.hpp"
-#include "common/process/files/file_kind.hpp"
-#include "common/scenario/scenario.hpp"
 
 namespace eti {
 
 namespace {
 
-constexpr std::uintmax_t largest_file = 1024 * 1024;
 constexpr int max_depth = 12;
 constexpr int max_nodes = 10'000;
 constexpr std::size_t longest_text = 500;
@@ -204,27 +201,11 @@ std::string guess(const std::string& word, std::span<const std::string> known) {
 
 }  // namespace
 
-std::string read_text_file(const std::filesystem::path& file) {
-    if (const std::string kind = describe_non_regular(file); !kind.empty()) {
-        throw InputError(fmt::format("{}: found {}, expected a file; check the path", file.string(), kind));
-    }
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error || size > largest_file) {
-        throw InputError(fmt::format("{}: {} bytes, expected at most {}; is this the right file?",
-                                     file.string(), size, largest_file));
-    }
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in) {
-        throw InputError(fmt::format("{}: could not be read; check its permissions", file.string()));
-    }
-    return text.str();
-}
-
-YamlMap::YamlMap(YAML::Node node, std::string file, std::string path)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {
+YamlMap::YamlMap(YAML::Node node, std::string file, std::string path, Descriptions described)
+    : node_(std::move(node)),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      described_(std::move(described)) {
     if (!node_.IsMap()) {
         throw InputError(fmt::format("{}: {} is no mapping, expected 'key: value' lines",
                                      place(file_, node_.Mark()),
@@ -258,7 +239,7 @@ YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
             throw InputError(
                 fmt::format("{}: found a second document ('---'), expected one; remove it", file));
         }
-        return YamlMap(YAML::Load(text), file, "");
+        return YamlMap(YAML::Load(text), file, "", std::make_shared<std::vector<KeyDescription>>());
     } catch (const YAML::Exception& error) {
         if (const auto line = line_indented_by_tab(text)) {
             throw InputError(
@@ -282,8 +263,12 @@ bool YamlMap::has(std::string_view key) const {
     return node_[std::string(key)].IsDefined();
 }
 
-std::optional<std::string> YamlMap::scalar(const std::string& key, const std::string& expected) {
+std::optional<std::string> YamlMap::scalar(const std::string& key, const std::string& expected,
+                                           const std::string& fallback, std::string_view help) {
     known_.push_back(key);
+    if (!help.empty()) {
+        described_->push_back({path_ + key, expected, fallback, std::string(help)});
+    }
     const YAML::Node value = node_[key];
     if (!value.IsDefined()) {
         return std::nullopt;
@@ -309,18 +294,21 @@ float YamlMap::in_range(const std::string& key, const std::string& typed, const 
     return value * range.unit;
 }
 
-float YamlMap::number(const std::string& key, float fallback, const Range& range) {
-    const auto typed = scalar(key, fmt::format("a number from {} to {}", range.low, range.high));
+float YamlMap::number(const std::string& key, float fallback, const Range& range, std::string_view help) {
+    const auto typed = scalar(key, fmt::format("a number from {} to {}", range.low, range.high),
+                              fmt::format("{:.6g}", fallback / range.unit), help);
     return typed ? in_range(key, *typed, range) : fallback;
 }
 
-int YamlMap::whole(const std::string& key, int fallback, int low, int high) {
+template <class Integer>
+Integer YamlMap::integer(const std::string& key, Integer fallback, Integer low, Integer high,
+                         std::string_view help) {
     const std::string expected = fmt::format("a whole number from {} to {}", low, high);
-    const auto typed = scalar(key, expected);
+    const auto typed = scalar(key, expected, fmt::format("{}", fallback), help);
     if (!typed) {
         return fallback;
     }
-    int value = 0;
+    Integer value = 0;
     const auto [end, error] = std::from_chars(typed->data(), typed->data() + typed->size(), value);
     if (error != std::errc() || end != typed->data() + typed->size() || value < low || value > high) {
         refuse(key, shown(*typed), expected);
@@ -328,22 +316,16 @@ int YamlMap::whole(const std::string& key, int fallback, int low, int high) {
     return value;
 }
 
-std::uint64_t YamlMap::seed(const std::string& key, std::uint64_t fallback) {
-    const std::string expected = "a whole number from 0 to 18446744073709551615";
-    const auto typed = scalar(key, expected);
-    if (!typed) {
-        return fallback;
-    }
-    std::uint64_t value = 0;
-    const auto [end, error] = std::from_chars(typed->data(), typed->data() + typed->size(), value);
-    if (error != std::errc() || end != typed->data() + typed->size()) {
-        refuse(key, shown(*typed), expected);
-    }
-    return value;
+int YamlMap::whole(const std::string& key, int fallback, int low, int high, std::string_view help) {
+    return integer(key, fallback, low, high, help);
 }
 
-bool YamlMap::flag(const std::string& key, bool fallback) {
-    const auto typed = scalar(key, "on or off");
+std::uint64_t YamlMap::seed(const std::string& key, std::uint64_t fallback, std::string_view help) {
+    return integer<std::uint64_t>(key, fallback, 0, std::numeric_limits<std::uint64_t>::max(), help);
+}
+
+bool YamlMap::flag(const std::string& key, bool fallback, std::string_view help) {
+    const auto typed = scalar(key, "on or off", fallback ? "on" : "off", help);
     if (!typed) {
         return fallback;
     }
@@ -356,9 +338,9 @@ bool YamlMap::flag(const std::string& key, bool fallback) {
     refuse(key, shown(*typed), "on or off");
 }
 
-std::string YamlMap::text(const std::string& key, const std::string& fallback) {
+std::string YamlMap::text(const std::string& key, const std::string& fallback, std::string_view help) {
     const std::string expected = fmt::format("a text of at most {} letters", longest_text);
-    std::string typed = scalar(key, expected).value_or(fallback);
+    std::string typed = scalar(key, expected, fallback, help).value_or(fallback);
     if (typed.size() > longest_text) {
         refuse(key, fmt::format("{} letters", typed.size()), expected);
     }
@@ -368,9 +350,9 @@ std::string YamlMap::text(const std::string& key, const std::string& fallback) {
     return typed;
 }
 
-std::string YamlMap::name(const std::string& key, const std::string& fallback) {
+std::string YamlMap::name(const std::string& key, const std::string& fallback, std::string_view help) {
     const std::string expected = fmt::format("one line of 1 to {} letters", longest_name);
-    const auto typed = scalar(key, expected);
+    const auto typed = scalar(key, expected, fallback, help);
     const std::string value = typed.value_or(fallback.substr(0, longest_name));
     if (typed && (value.empty() || value.size() > longest_name || escaped(value) != value)) {
         refuse(key, shown(value), expected);
@@ -379,9 +361,9 @@ std::string YamlMap::name(const std::string& key, const std::string& fallback) {
 }
 
 std::size_t YamlMap::choice(const std::string& key, std::size_t fallback,
-                            std::span<const std::string_view> names) {
+                            std::span<const std::string_view> names, std::string_view help) {
     const std::string expected = fmt::format("one of {}", fmt::join(names, ", "));
-    const auto typed = scalar(key, expected);
+    const auto typed = scalar(key, expected, std::string(names[fallback]), help);
     if (!typed) {
         return fallback;
     }
@@ -419,7 +401,7 @@ std::optional<YamlMap> YamlMap::map(const std::string& key) {
     if (!value.IsDefined()) {
         return std::nullopt;
     }
-    return YamlMap(value, file_, path_ + key + ".");
+    return YamlMap(value, file_, path_ + key + ".", described_);
 }
 
 std::vector<YamlMap> YamlMap::list(const std::string& key) {
@@ -433,7 +415,7 @@ std::vector<YamlMap> YamlMap::list(const std::string& key) {
         refuse(key, "no list", "a list of '- key: value' entries");
     }
     for (std::size_t i = 0; i < value.size(); ++i) {
-        out.push_back(YamlMap(value[i], file_, fmt::format("{}{}[{}].", path_, key, i)));
+        out.push_back(YamlMap(value[i], file_, fmt::format("{}{}[{}].", path_, key, i), described_));
     }
     return out;
 }

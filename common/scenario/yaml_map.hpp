@@ -4,7 +4,8 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <filesystem>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "common/math/transform.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti {
 
@@ -21,12 +23,9 @@ struct Range {
     float unit = 1.0f;  ///< SI value of one typed unit, e.g. 1e-3 for millimetres
 };
 
-/// Reads a whole file of at most 1 MiB. Throws InputError.
-[[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
-
 /// A YAML mapping, read strictly: every access names the key it expects, and finish() rejects keys that were
 /// never read. All errors are InputErrors that state file, line and key, what was found, what was expected
-/// and, where there is one, the remedy.
+/// and, where there is one, the remedy. A read with `help` describes its key.
 class YamlMap {
   public:
     /// Parses `text`. Rejects anchors and aliases, tags, duplicate keys, a second document, more than 10,000
@@ -34,34 +33,48 @@ class YamlMap {
     [[nodiscard]] static YamlMap parse(const std::string& text, const std::string& file);
 
     [[nodiscard]] bool has(std::string_view key) const;
-    [[nodiscard]] float number(const std::string& key, float fallback, const Range& range);  ///< SI
-    [[nodiscard]] int whole(const std::string& key, int fallback, int low, int high);
-    [[nodiscard]] std::uint64_t seed(const std::string& key, std::uint64_t fallback);
-    [[nodiscard]] bool flag(const std::string& key, bool fallback);
-    [[nodiscard]] std::string text(const std::string& key,
-                                   const std::string& fallback);  ///< at most 500 letters
+    [[nodiscard]] float number(const std::string& key, float fallback, const Range& range,
+                               std::string_view help = {});  ///< SI
+    [[nodiscard]] int whole(const std::string& key, int fallback, int low, int high,
+                            std::string_view help = {});
+    [[nodiscard]] std::uint64_t seed(const std::string& key, std::uint64_t fallback,
+                                     std::string_view help = {});
+    [[nodiscard]] bool flag(const std::string& key, bool fallback, std::string_view help = {});
+    /// At most 500 letters.
+    [[nodiscard]] std::string text(const std::string& key, const std::string& fallback,
+                                   std::string_view help = {});
     /// A name for the bus and for tables: one line of 1 to 60 letters.
-    [[nodiscard]] std::string name(const std::string& key, const std::string& fallback);
+    [[nodiscard]] std::string name(const std::string& key, const std::string& fallback,
+                                   std::string_view help = {});
     /// Index of the value among `names`; `fallback` where the key is absent.
     [[nodiscard]] std::size_t choice(const std::string& key, std::size_t fallback,
-                                     std::span<const std::string_view> names);
+                                     std::span<const std::string_view> names, std::string_view help = {});
     [[nodiscard]] Vec3f vector(const std::string& key, const Range& range);  ///< SI; zero where absent
     [[nodiscard]] std::optional<YamlMap> map(const std::string& key);
     [[nodiscard]] std::vector<YamlMap> list(const std::string& key);
     /// Rejects keys that were never read.
     void finish() const;
+    /// The keys described so far, also those of mappings within this one.
+    [[nodiscard]] const std::vector<KeyDescription>& described() const { return *described_; }
 
     [[noreturn]] void refuse(const std::string& key, const std::string& found,
                              const std::string& expected) const;
 
   private:
-    YamlMap(YAML::Node node, std::string file, std::string path);
-    [[nodiscard]] std::optional<std::string> scalar(const std::string& key, const std::string& expected);
+    using Descriptions = std::shared_ptr<std::vector<KeyDescription>>;
+
+    YamlMap(YAML::Node node, std::string file, std::string path, Descriptions described);
+    [[nodiscard]] std::optional<std::string> scalar(const std::string& key, const std::string& expected,
+                                                    const std::string& fallback, std::string_view help);
+    template <class Integer>
+    [[nodiscard]] Integer integer(const std::string& key, Integer fallback, Integer low, Integer high,
+                                  std::string_view help);
     [[nodiscard]] float in_range(const std::string& key, const std::string& typed, const Range& range) const;
 
     YAML::Node node_;
     std::string file_, path_;
     std::vector<std::string> known_;
+    Descriptions described_;
 };
 
 }  // namespace eti

@@ -10,7 +10,7 @@
 #include "common/math/units.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
 #include "devices/calibration/point_file.hpp"

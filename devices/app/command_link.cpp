@@ -5,8 +5,8 @@
 #include <spdlog/spdlog.h>
 
 #include "common/bus/codec/convert.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/scenario/preset.hpp"
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/setting.hpp"
 
 namespace eti::devices {

@@ -12,7 +12,7 @@
 #include "common/bus/codec/convert.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/stop_signal.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/scenario/setting.hpp"
 #include "devices/app/command_link.hpp"
 #include "devices/app/program.hpp"

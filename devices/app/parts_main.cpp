@@ -11,7 +11,7 @@
 #include "common/process/command_line.hpp"
 #include "common/process/files/folder.hpp"
 #include "common/process/stop_signal.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "devices/app/program.hpp"
 #include "devices/calibration/point_file.hpp"
 #include "devices/parts/parts.hpp"

@@ -11,7 +11,7 @@
 #include "common/process/command_line.hpp"
 #include "common/process/log.hpp"
 #include "common/process/stop_signal.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
 
 namespace eti::devices {

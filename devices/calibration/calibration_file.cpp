@@ -12,7 +12,6 @@
 #include "common/math/units.hpp"
 #include "common/process/files/atomic_file_writer.hpp"
 #include "common/process/files/file_kind.hpp"
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::devices {

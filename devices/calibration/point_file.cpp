@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "common/math/units.hpp"
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::devices {

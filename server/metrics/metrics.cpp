@@ -131,7 +131,11 @@ void Metrics::observe(const scene::Snapshot& snapshot, const GlotticView& view) 
 }
 
 void Metrics::add_to_attempt(const AttemptSample& sample) {
+    const bool in_time = attempt_->metrics().over_time_limit == 0;
     attempt_->add(sample);
+    if (in_time && attempt_->metrics().over_time_limit > 0) {
+        log_event(fmt::format("attempt {} takes longer than {:.0f} s", live_.attempt, time_limit_));
+    }
     if (attempt_->glottis_seen() && !seen_in_attempt_) {
         seen_in_attempt_ = true;
         log_event("the glottis came into sight");

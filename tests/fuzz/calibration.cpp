@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 //
 // The three files of eti-calibrate: a calibration, named points and poses of a sensor.
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "devices/calibration/calibration_file.hpp"
 #include "devices/calibration/point_file.hpp"
 #include "memory_file.hpp"

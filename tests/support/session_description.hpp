@@ -18,6 +18,7 @@ namespace eti::test {
     out.version(ETI_VERSION);
     out.scenario("synthetic");
     out.description("made by a test");
+    out.scenario_text("name: synthetic\n");
     out.steps_per_second(180);
     out.time_limit_s(30.0f);
     out.patient_weight_kg(3.5f);

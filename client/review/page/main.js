@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
-import { eventList, outcomes, parameterTable, practice, scores } from "./summary.js";
+import { eventList, opinions, outcomes, parameterTable, practice, scores } from "./summary.js";
 import { element } from "./element.js";
 import { Timeline } from "./timeline.js";
 import { anatomySection } from "./anatomy.js";
@@ -26,6 +26,9 @@ if (data.sessions.some((session) => "score" in session)) {
   page.append(scores(data));
 }
 page.append(parameterTable(data), eventList(data.sessions, seek));
+if (data.sessions.some((session) => session.ratings.length + session.answers.length > 0)) {
+  page.append(opinions(data.sessions));
+}
 page.append(element("p", { class: "soft" },
   `NeoETI ${data.program}. Not a medical device; does not certify skill. This page fetches nothing and sends nothing.`));
 timeline.draw();

@@ -35,6 +35,9 @@ export function outcomes({ sessions }) {
       column.append(element("p", { class: "attempt" }, outcomeLight(attempt),
         ` Attempt ${attempt.attempt}: ${outcomeWord(attempt).toLowerCase()}. ${attempt.reason}`));
     }
+    if (session.debriefing) {
+      column.append(element("p", {}, `To discuss: ${session.debriefing}`));
+    }
     columns.append(column);
   });
   return element("section", { id: "outcome" }, columns);
@@ -127,15 +130,23 @@ export function parameterTable({ sessions, fields }) {
     element("div", { class: "wide" }, element("table", {}, element("thead", {}, head), body)));
 }
 
-export function eventList(sessions, seek) {
-  const columns = element("div", { class: "columns" });
-  sessions.forEach((session, index) => {
-    columns.append(element("div", {},
+/// A section of one table per session; `rows` gives a session's rows as lists of cells.
+function tables(id, title, sessions, rows) {
+  return element("section", { id }, element("h2", {}, title),
+    element("div", { class: "columns" }, ...sessions.map((session, index) => element("div", {},
       sessions.length > 1 ? element("h3", {}, sessionName(session, index, sessions.length)) : null,
       element("div", { class: "events" }, element("table", {}, element("tbody", {},
-        ...session.events.map((event) => element("tr", {},
-          element("td", {}, moment(event.time_s, index, seek)), element("td", {}, event.kind),
-          element("td", {}, event.text))))))));
-  });
-  return element("section", { id: "events" }, element("h2", {}, "Events"), columns);
+        ...rows(session, index).map((row) => element("tr", {}, ...row.map((cell) => element("td", {}, cell)))))))))));
+}
+
+export function eventList(sessions, seek) {
+  return tables("events", "Events", sessions, (session, index) => session.events.map(
+    (event) => [moment(event.time_s, index, seek), event.kind, event.text]));
+}
+
+/// What instructors and participants said after the sessions.
+export function opinions(sessions) {
+  return tables("opinions", "Ratings and answers", sessions, (session) => [
+    ...session.ratings.map((one) => [one.item, `${one.score} of 5`, `rated by ${one.rater}`]),
+    ...session.answers.map((one) => [one.text, one.answer, one.form])]);
 }

@@ -7,7 +7,6 @@
 #include <array>
 #include <string_view>
 
-#include "common/scenario/scenario.hpp"
 #include "common/scenario/yaml_map.hpp"
 
 namespace eti::review {

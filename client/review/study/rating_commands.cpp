@@ -11,7 +11,7 @@
 #include "client/review/study/study.hpp"
 #include "client/review/study/study_commands.hpp"
 #include "client/review/summary.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti::review {
 

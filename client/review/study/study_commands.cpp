@@ -13,7 +13,7 @@
 #include "client/review/study/study.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/progress_bar.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/session/anonymise.hpp"
 
 namespace eti::review {

@@ -17,7 +17,6 @@
 #include "common/process/guard.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
-#include "common/scenario/yaml_map.hpp"
 #include "common/session/repair/recording_lock.hpp"
 
 namespace eti::review {

@@ -16,6 +16,7 @@
 #include "common/model/thresholds.hpp"
 #include "common/model/tissue.hpp"
 #include "common/model/tools/tools.hpp"
+#include "common/scenario/scenario.hpp"
 
 namespace eti::app {
 
@@ -59,6 +60,10 @@ ordered_json description() {
     add_settings(shape_fields, false, out["scenario"]);
     add_settings(runtime_parameter_fields, true, out["scenario"]);
     add_settings(tube_fields, false, out["scenario"]);
+    for (const KeyDescription& key : describe_scenario()) {
+        out["scenario_other"].push_back(
+            {{"key", key.key}, {"values", key.values}, {"default", key.otherwise}, {"help", key.help}});
+    }
     for (const RuntimeParameterField& field : runtime_parameter_fields) {
         ordered_json live = row(field);
         live["name"] = field.name;

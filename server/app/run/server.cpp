@@ -22,7 +22,6 @@
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
-#include "common/scenario/yaml_map.hpp"
 #include "server/app/output/bus_output.hpp"
 #include "server/app/output/haptic_publisher.hpp"
 #include "server/app/output/lab_output.hpp"

@@ -20,7 +20,7 @@
 #include "common/model/tools/lip_retraction.hpp"
 #include "common/process/files/folder.hpp"
 #include "common/process/stop_signal.hpp"
-#include "common/scenario/yaml_map.hpp"
+#include "common/scenario/data_file.hpp"
 #include "server/metrics/glottic_view.hpp"
 #include "tests/bench/render/attempt.hpp"
 #include "tests/bench/render/attempt_scene.hpp"

@@ -249,7 +249,10 @@ class Report(support.Case):
         self.assertNotIn("no human data", (self.folder / "out" / "report.html").read_text())
 
     def test_report_without_score_on_phone_and_in_print(self):
-        self.page(recording("expert"), "--score", "none", width=500)
+        rated = Path(shutil.copy(recording("expert"), self.folder / "rated.eti.h5"))
+        self.assertEqual(support.run("eti-review", "rate", rated, "--rater", "ada", "--score", "overall=4").returncode, 0)
+        self.page(rated, "--score", "none", width=500)
+        self.assertEqual(self.text("#opinions td"), "overall 4 of 5 rated by ada")
         self.assertEqual(self.find("#score, [data-grade]"), [])
         self.assertEqual([one.text for one in self.find("h2") if "score" in one.text.lower()], [])
         self.assertGreater(len(self.cells()), 20)

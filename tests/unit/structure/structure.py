@@ -123,24 +123,24 @@ def room_of(path):
     return "/".join(path.split("/")[:3 if inside(path, "server/patient") else 2])
 
 
-def room_cycle(edges):
-    """One cycle in the graph {room: rooms it includes} as a list of rooms, or None."""
+def cycle_in(edges):
+    """One cycle in the graph {node: nodes it includes} as a list of nodes, or None."""
     done, trail = set(), []
 
-    def visit(room):
-        if room in trail:
-            return trail[trail.index(room):] + [room]
-        if room in done:
+    def visit(node):
+        if node in trail:
+            return trail[trail.index(node):] + [node]
+        if node in done:
             return None
-        trail.append(room)
-        for following in sorted(edges.get(room, ())):
+        trail.append(node)
+        for following in sorted(edges.get(node, ())):
             if cycle := visit(following):
                 return cycle
         trail.pop()
-        done.add(room)
+        done.add(node)
         return None
 
-    return next((cycle for room in sorted(edges) if (cycle := visit(room))), None)
+    return next((cycle for node in sorted(edges) if (cycle := visit(node))), None)
 
 
 def forbidden_words():
@@ -183,17 +183,20 @@ def check_documents(root):
 def check(root):
     """All violations under `root`, one string each."""
     forbidden = re.compile(r"\b(" + "|".join(map(re.escape, forbidden_words())) + r")\b", re.IGNORECASE)
-    found, edges = [], {}
+    found, rooms, files = [], {}, {}
     for relative in source_files(root):
         path = relative.as_posix()
         lines = (Path(root) / relative).read_text(errors="replace").splitlines()
         found += [f"{path}:{number}: {text}" for number, text in check_file(path, lines, forbidden)]
         for match in filter(None, map(INCLUDE.match, lines)):
             target = match.group(1)
-            if target and path.split("/")[0] in TOP and room_of(target) != room_of(path):
-                edges.setdefault(room_of(path), set()).add(room_of(target))
-    if cycle := room_cycle(edges):
-        found.append(f"{cycle[0]}: rooms include each other in a circle: {' -> '.join(cycle)}")
+            if target and path.split("/")[0] in TOP:
+                files.setdefault(path, set()).add(target)
+                if room_of(target) != room_of(path):
+                    rooms.setdefault(room_of(path), set()).add(room_of(target))
+    for kind, edges in (("rooms", rooms), ("files", files)):
+        if cycle := cycle_in(edges):
+            found.append(f"{cycle[0]}: {kind} include each other in a circle: {' -> '.join(cycle)}")
     return found + list(check_documents(root))
 
 

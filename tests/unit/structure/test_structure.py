@@ -98,6 +98,13 @@ class Includes(unittest.TestCase):
         self.assertEqual(len(found), 1, found)
         self.assertIn("circle", found[0])
 
+    def test_circular_header_includes_are_detected(self):
+        header = HEADER + "#pragma once\n#include "
+        found = violations({"common/mesh/a.hpp": header + '"common/mesh/b.hpp"\n',
+                            "common/mesh/b.hpp": header + '"common/mesh/a.hpp"\n'})
+        self.assertEqual(found, ["common/mesh/a.hpp: files include each other in a circle: "
+                                 "common/mesh/a.hpp -> common/mesh/b.hpp -> common/mesh/a.hpp"])
+
     def test_circular_patient_folder_includes_are_detected(self):
         found = violations(including("server/patient/tool/a.cpp", '"server/patient/segmentation/b.hpp"')
                            | including("server/patient/segmentation/b.cpp", '"server/patient/tool/a.hpp"'))

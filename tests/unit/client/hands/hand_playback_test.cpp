@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {

@@ -197,6 +197,16 @@ TEST(Readout, ShowsScenarioWhileWaitingAndAtStart) {
     EXPECT_EQ(hud::make_readout(scene, false).description, "");
 }
 
+TEST(Readout, ShowsDebriefingOnceFinished) {
+    synthetic::Scene source = synthetic::make_scene();
+    source.description.scenario_text("debriefing: was the view held?\n");
+    view::SceneView scene;
+    synthetic::fill(scene, source);
+    EXPECT_EQ(hud::make_readout(scene, false).description, "made by a test");
+    scene.apply(synthetic::status(msg::PHASE_FINISHED));
+    EXPECT_EQ(hud::make_readout(scene, false).description, "was the view held?");
+}
+
 TEST(Hud, DrawsVerdictInGreenOrRed) {
     render::HeadlessContext context;
     render::RenderTarget target(640, 360, 1);

@@ -12,7 +12,7 @@
 #include "client/review/output.hpp"
 #include "client/review/study/form.hpp"
 #include "client/review/study/ratings.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
 

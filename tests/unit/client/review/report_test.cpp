@@ -9,7 +9,7 @@
 
 #include "client/review/export.hpp"
 #include "client/review/report.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
@@ -35,6 +35,7 @@ class Report : public ::testing::Test {
                 const std::vector<session::SummaryRecord>& summaries = {}) const {
         session::SessionInfo info = session::sample::info();
         info.scenario = hostile;
+        info.scenario_text = "debriefing: was the view held?\n";
         session::SessionWriter writer(path, info, session::sample::scene(), {});
         for (std::uint64_t i = 0; i < steps; ++i) {
             session::StepRecord step = session::sample::step(i);
@@ -100,6 +101,15 @@ TEST_F(Report, ListsWorstMissFirstWithItsTime) {
     EXPECT_EQ(practise[1]["key"], "time_s");
     EXPECT_EQ(practise[1]["light"], "near");
     EXPECT_NEAR(practise[1]["time_s"].get<double>(), 3.0, 1e-6);
+}
+
+TEST_F(Report, HasDebriefingRatingsAndAnswers) {
+    record(10, [](std::uint64_t, session::StepRecord&) {});
+    session::add_ratings(path, {{"ada", "blade", 4, ""}});
+    session::add_answers(path, {{"tlx", "effort", "How hard was it?", "2", ""}});
+    EXPECT_EQ(json()["debriefing"], "was the view held?");
+    EXPECT_EQ(json()["ratings"][0]["score"], 4);
+    EXPECT_EQ(json()["answers"][0]["text"], "How hard was it?");
 }
 
 TEST_F(Report, OutcomeIsUnknownWithoutSummary) {

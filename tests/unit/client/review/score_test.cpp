@@ -13,7 +13,7 @@
 
 #include "client/review/summary.hpp"
 #include "common/math/random.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti::review {
 namespace {

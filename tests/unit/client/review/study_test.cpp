@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "client/review/study/study.hpp"
+#include "common/scenario/data_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,8 +9,6 @@
 #include <fstream>
 #include <map>
 #include <set>
-
-#include "common/scenario/scenario.hpp"
 
 namespace eti::review {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "common/math/units.hpp"
 #include "common/operator/operator.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 
 namespace eti {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/operator/track_player.hpp"
-#include "common/scenario/scenario.hpp"
+#include "common/scenario/data_file.hpp"
 #include "tests/unit/common/operator/newborn_landmarks.hpp"
 
 namespace eti {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "common/scenario/preset.hpp"
+#include "common/scenario/data_file.hpp"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -11,7 +12,6 @@
 #include <string>
 
 #include "common/math/units.hpp"
-#include "common/scenario/scenario.hpp"
 
 namespace eti {
 namespace {

@@ -42,6 +42,7 @@ TEST(Scenario, EveryKeyArrivesInItsUnit) {
     const Scenario s = read(R"(
 name: baby
 description: tries every key
+debriefing: was the view held?
 patient: {weight_kg: 1.1, gestational_age_weeks: 28, tongue_scale: 1.15, head_elevation_deg: 25,
           jaw_opening_deg: 20, tissue_stiffness_kpa: 9}
 laryngoscope: {blade: miller_0}
@@ -56,6 +57,7 @@ seed: 42
 )");
     EXPECT_EQ(s.name, "baby");
     EXPECT_EQ(s.description, "tries every key");
+    EXPECT_EQ(s.debriefing, "was the view held?");
     EXPECT_FLOAT_EQ(s.patient.shape.weight, 1.1f);
     EXPECT_FLOAT_EQ(s.patient.shape.gestational_age, 28);
     EXPECT_FLOAT_EQ(s.patient.shape.tongue_scale, 1.15f);
@@ -187,6 +189,13 @@ TEST(Scenario, IndentingTabsAreNamed) {
     EXPECT_TRUE(refused("patient:\n  weight_kg: 3.5\n\t# a remark\n", {"baby.yaml:3", "tab"}));
     // A tab separates words as a space does.
     EXPECT_EQ(scenario_refusal("patient:\n  weight_kg:\t3.5\n"), "");
+}
+
+TEST(Scenario, UnreadableOneIsShownWithDefaults) {
+    EXPECT_FLOAT_EQ(shown_scenario("time_limit_s: 20\n").time_limit, 20);
+    for (const char* text : {"", "a_key_of_tomorrow: 1\n", "time_limit_s: [\n"}) {
+        EXPECT_EQ(shown_scenario(text).time_limit, Scenario().time_limit) << text;
+    }
 }
 
 TEST(Scenario, ControlSequencesInNamesAreRefused) {

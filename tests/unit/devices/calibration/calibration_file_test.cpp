@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "devices/calibration/calibration_file.hpp"
+#include "common/scenario/data_file.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -8,7 +9,6 @@
 #include <fstream>
 #include <limits>
 
-#include "common/scenario/scenario.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
 #include "devices/calibration/point_file.hpp"
 

@@ -129,6 +129,7 @@ TEST(Metrics, VitalSignsFallDuringAttemptAndRecover) {
     const auto said = [&](std::string_view text) {
         return std::ranges::count(run.metrics.events(), text, &Event::text);
     };
+    EXPECT_EQ(said("attempt 1 takes longer than 30 s"), 1);
     EXPECT_EQ(said("the oxygen saturation fell below 80 %"), 1);
     EXPECT_EQ(said("the oxygen saturation is above 80 % again"), 1);
 }
