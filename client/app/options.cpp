@@ -73,6 +73,20 @@ std::optional<render::Section> read_section(const std::string& text) {
                : std::nullopt;
 }
 
+// Adds an option whose text `read` understands; `expected`: its error continues with it.
+template <class Value>
+void add_text(CommandLine& app, const std::string& name, std::string& text, const std::string& help,
+              std::optional<Value> (*read)(const std::string&), const std::string& shape,
+              const std::string& expected) {
+    app.add_option(name, text, help)
+        .capture_default_str()
+        .check(
+            [=](const std::string& typed) {
+                return read(typed) ? std::string() : fmt::format("'{}' is no {}", typed, expected);
+            },
+            shape);
+}
+
 }  // namespace
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
@@ -100,18 +114,16 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     const Vec3f gum = 1e3f * options.gum_in_room;
     std::string gum_at = fmt::format("{:.0f},{:.0f},{:.0f}", gum.x(), gum.y(), -gum.z());
     bool no_video = false;
-    std::string keys = "Keys in the window:";
-    for (const auto& [key, help] : keys_help(true, true)) {
-        keys += fmt::format("\n  {:<6} {}", key, help);
-    }
-    keys += "\nWith --hands:";
-    for (const auto& [input, help] : hand_controls_help()) {
-        keys += fmt::format("\n  {:<11} {}", input, help);
-    }
-    keys += "\nHand controllers, with --view hmd:";
-    for (const auto& [input, help] : hands_help()) {
-        keys += fmt::format("\n  {:<11} {}", input, help);
-    }
+    std::string keys;
+    const auto list = [&](const char* heading, int width, const auto& rows) {
+        keys += heading;
+        for (const auto& [input, help] : rows) {
+            keys += fmt::format("\n  {:<{}} {}", input, width, help);
+        }
+    };
+    list("Keys in the window:", 6, keys_help(true, true));
+    list("\nWith --hands:", 11, hand_controls_help());
+    list("\nHand controllers, with --view hmd:", 11, hands_help());
     app.footer(keys + "\nWith --observe no commands are given; w, z and marks are of an --instructor.");
     app.set_version_flag("--version", ETI_VERSION);
     const auto view_option = app.add_option("--view", view, of_views).capture_default_str().one_of(names);
@@ -124,55 +136,30 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                  "line of sight stays the trainee's")
         .excludes(observe);
     app.add_flag("--panel", options.panel, "Show the instructor's panel from the start (key p or F1)");
-    app.add_option("--eye-offset-mm", eye_offset,
-                   "The trainee's eye stands so far from where the glottis is best seen: to the patient's "
-                   "left, to its back and towards its head")
-        .capture_default_str()
-        .check(
-            [](const std::string& text) {
-                return read_eye(text)
-                           ? std::string()
-                           : fmt::format(
-                                 "'{}' is no place of an eye; expected X,Y,Z in mm, each from -{:.0f} to "
-                                 "{:.0f}, e.g. 10,0,-5",
-                                 text, 1e3f * view::TraineeEye::max_offset,
-                                 1e3f * view::TraineeEye::max_offset);
-            },
-            "X,Y,Z");
-    app.add_option(
-           "--patient-at-mm", gum_at,
-           "In a headset: the upper gum lies so far to the right, up and ahead of where the eyes were "
-           "when the headset was centred")
-        .capture_default_str()
-        .check(
-            [](const std::string& text) {
-                return read_place(text)
-                           ? std::string()
-                           : fmt::format(
-                                 "'{}' is no place; expected RIGHT,UP,AHEAD in mm, each from -{:.0f} to "
-                                 "{:.0f}, e.g. 0,-300,250",
-                                 text, 1e3f * hmd::Room::max_offset, 1e3f * hmd::Room::max_offset);
-            },
-            "RIGHT,UP,AHEAD");
+    add_text(app, "--eye-offset-mm", eye_offset,
+             "The trainee's eye stands so far from where the glottis is best seen: to the patient's left, to "
+             "its back and towards its head",
+             read_eye, "X,Y,Z",
+             fmt::format("place of an eye; expected X,Y,Z in mm, each from -{0:.0f} to {0:.0f}, e.g. 10,0,-5",
+                         1e3f * view::TraineeEye::max_offset));
+    add_text(app, "--patient-at-mm", gum_at,
+             "In a headset: the upper gum lies so far to the right, up and ahead of where the eyes were when "
+             "the headset was centred",
+             read_place, "RIGHT,UP,AHEAD",
+             fmt::format("place; expected RIGHT,UP,AHEAD in mm, each from -{0:.0f} to {0:.0f}, e.g. "
+                         "0,-300,250",
+                         1e3f * hmd::Room::max_offset));
     app.add_option("--dominant-eye", dominant_eye,
                    "In a headset: the eye that the line of sight begins at, by which the view is measured")
         .capture_default_str()
         .one_of({"right", "left"});
-    app.add_option("--section-plane", section,
-                   "Where the section cuts: so far from the middle, towards the patient's left [mm]; turned "
-                   "about the patient's back-to-front axis and tilted about its long axis [deg]")
-        .capture_default_str()
-        .check(
-            [](const std::string& text) {
-                return read_section(text)
-                           ? std::string()
-                           : fmt::format(
-                                 "'{}' is no plane; expected OFFSET,TURN,TILT: mm from -{:.0f} to {:.0f}, "
-                                 "degrees from -180 to 180 and from -90 to 90, e.g. 5,0,0 or 0,90,0",
-                                 text, 1e3f * render::Section::max_offset,
-                                 1e3f * render::Section::max_offset);
-            },
-            "OFFSET,TURN,TILT");
+    add_text(app, "--section-plane", section,
+             "Where the section cuts: so far from the middle, towards the patient's left [mm]; turned about "
+             "the patient's back-to-front axis and tilted about its long axis [deg]",
+             read_section, "OFFSET,TURN,TILT",
+             fmt::format("plane; expected OFFSET,TURN,TILT: mm from -{0:.0f} to {0:.0f}, degrees from -180 "
+                         "to 180 and from -90 to 90, e.g. 5,0,0 or 0,90,0",
+                         1e3f * render::Section::max_offset));
     app.add_number("--fogging", options.vantage.fogging,
                    "Breath on the blade's lens as the session begins; it clears as the lamp warms it",
                    {0.0f, 1.0f})

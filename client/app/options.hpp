@@ -43,8 +43,16 @@ struct Options {
     float volume = 0.5f;
     bool json = false;
 
+    [[nodiscard]] const render::Quality& drawing_quality() const {
+        return quality != nullptr ? *quality : render::affordable_quality();
+    }
     /// The server expects the eye pose of exactly one trainee.
     [[nodiscard]] bool is_trainee() const { return !observe && !instructor; }
+    /// A person watches: in a window or a headset.
+    [[nodiscard]] bool interactive() const { return offscreen.empty(); }
+    [[nodiscard]] bool sends_commands() const { return !observe && interactive(); }
+    /// Deformation at 90 Hz. 30 Hz suffice for an observer, and for a video of at most that rate.
+    [[nodiscard]] bool full_rate() const { return interactive() ? !observe : frames_per_second > 30.0; }
 };
 
 /// Parses the command line; returns an exit status if the program should end at once (help, version,

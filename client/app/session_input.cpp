@@ -23,22 +23,18 @@ SessionInput::SessionInput(bus::Node& node, bool full_rate, bool publish_eye)
     }
 }
 
-bool SessionInput::receive_into(view::SceneView& scene) {
-    bool any = false;
+void SessionInput::receive_into(view::SceneView& scene) {
     const auto take_all = [&](auto& topic, auto& message) {
         while (topic.take(message)) {
             scene.apply(message);
-            any = true;
         }
     };
     const auto take_newest = [&](auto& topic, auto& message) {
         if (topic.take_latest(message)) {
             scene.apply(message);
-            any = true;
         }
     };
     while (description_.take(description_message_)) {
-        any = true;
         const std::string scenario = description_message_.scenario().to_string();
         if (scene.apply(description_message_) && (scenarios_.empty() || scenarios_.back() != scenario)) {
             scenarios_.push_back(scenario);
@@ -49,7 +45,6 @@ bool SessionInput::receive_into(view::SceneView& scene) {
     while (deformation_.take(deformation_message_)) {
         arrival_.note(deformation_message_.header(), bus::wall_clock_ns());
         scene.apply(deformation_message_);
-        any = true;
     }
     take_all(fluid_, fluid_message_);
     take_newest(proxy_, proxy_message_);
@@ -61,7 +56,6 @@ bool SessionInput::receive_into(view::SceneView& scene) {
         take_all(annotation_, annotation_message_);
     }
     update_presence();
-    return any;
 }
 
 void SessionInput::wait(std::chrono::milliseconds timeout) {
@@ -79,11 +73,11 @@ void SessionInput::publish_eye(const view::SceneView& scene, const view::Trainee
 }
 
 void SessionInput::update_presence() {
-    ServerPresence now = presence_;
+    Presence now = presence_;
     if (status_.alive()) {
-        now = ServerPresence::alive;
-    } else if (presence_ != ServerPresence::none) {
-        now = status_.matched() > 0 ? ServerPresence::silent : ServerPresence::gone;
+        now = Presence::alive;
+    } else if (presence_ != Presence::none) {
+        now = status_.matched() > 0 ? Presence::silent : Presence::gone;
     }
     if (now != presence_) {
         presence_ = now;
@@ -91,8 +85,10 @@ void SessionInput::update_presence() {
     }
 }
 
-double SessionInput::presence_for_s() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - presence_since_).count();
+bool SessionInput::lost(double silent_s) const {
+    const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - presence_since_;
+    return (presence_ == Presence::gone && lasted.count() > lost_after_s) ||
+           (presence_ == Presence::silent && lasted.count() > silent_s);
 }
 
 }  // namespace eti::client

@@ -15,14 +15,6 @@
 
 namespace eti::client {
 
-/// State of the connection to the server.
-enum class ServerPresence {
-    none,  ///< no server seen yet
-    alive,
-    silent,  ///< on the bus, but its loop is stalled
-    gone,    ///< was on the bus and left
-};
-
 /// Short enough to report a lost connection at once, long enough to tolerate a brief stall.
 inline constexpr double lost_after_s = 1.0;
 
@@ -32,16 +24,15 @@ class SessionInput {
     /// `full_rate`: receive deformation at 90 Hz, else at 30 Hz. `publish_eye`: act as the trainee.
     SessionInput(bus::Node& node, bool full_rate, bool publish_eye);
 
-    /// Applies all messages received; true if there were any.
-    bool receive_into(view::SceneView& scene);
+    /// Applies all messages received.
+    void receive_into(view::SceneView& scene);
     /// Waits for a new deformation state or until the timeout.
     void wait(std::chrono::milliseconds timeout);
     /// Publishes the pose of the trainee's eye; does nothing for other clients.
     void publish_eye(const view::SceneView& scene, const view::TraineeEye& eye);
 
-    [[nodiscard]] ServerPresence presence() const { return presence_; }
-    /// Time since presence() last changed [s].
-    [[nodiscard]] double presence_for_s() const;
+    /// The server has been gone for `lost_after_s`, or silent for `silent_s`.
+    [[nodiscard]] bool lost(double silent_s = lost_after_s) const;
     /// Names of the sessions shown so far, in order; consecutive sessions of one scenario are listed once.
     [[nodiscard]] const std::vector<std::string>& scenarios() const { return scenarios_; }
     /// Arrival statistics of the deformation topic.
@@ -50,6 +41,13 @@ class SessionInput {
     [[nodiscard]] bool server_on_bus() const { return scene_.matched() > 0; }
 
   private:
+    /// State of the connection to the server.
+    enum class Presence {
+        none,  ///< no server seen yet
+        alive,
+        silent,  ///< on the bus, but its loop is stalled
+        gone,    ///< was on the bus and left
+    };
     void update_presence();
 
     ArrivalStatistics arrival_;
@@ -77,7 +75,7 @@ class SessionInput {
     msg::AttemptSummary summary_message_;
     msg::ShownAnnotation annotation_message_;
 
-    ServerPresence presence_ = ServerPresence::none;
+    Presence presence_ = Presence::none;
     std::chrono::steady_clock::time_point presence_since_ = std::chrono::steady_clock::now();
 };
 

@@ -37,7 +37,7 @@ PlaybackStep read_step(YamlMap map) {
     constexpr std::array<std::string_view, 2> hands{"blade", "tube"};
     constexpr std::array<std::string_view, 2> buttons{"left", "right"};
     PlaybackStep step;
-    step.name = map.name("step", "");
+    (void)map.name("step", "");
     if (map.has("view")) {
         step.view = render::view_named(view_names()[map.choice("view", 0, view_names())]);
     }
@@ -83,11 +83,6 @@ HandPlayback HandPlayback::parse(const std::string& text, const std::string& fil
     }
     map.finish();
     return play;
-}
-
-const std::string& HandPlayback::step_name() const {
-    static const std::string none;
-    return finished() ? none : steps_[step_].name;
 }
 
 void HandPlayback::advance(float dt, Hands& hands, const view::SceneView& seen,

@@ -15,7 +15,6 @@ namespace eti::hands {
 
 /// Mouse and key input over a period of time.
 struct PlaybackStep {
-    std::string name;
     const render::View* view = nullptr;  ///< view to show from now on; null: unchanged
     bool selects_hand = false;           ///< switches to `hand`
     Tool hand = Tool::laryngoscope;
@@ -38,8 +37,6 @@ class HandPlayback {
     void advance(float dt, Hands& hands, const view::SceneView& seen, const render::Vantage& vantage);
 
     [[nodiscard]] bool finished() const { return step_ == steps_.size(); }
-    /// Name of the current step; empty at the end.
-    [[nodiscard]] const std::string& step_name() const;
     /// The view to show; null before the first step names one.
     [[nodiscard]] const render::View* view() const { return view_; }
     [[nodiscard]] std::size_t step() const { return step_; }

@@ -5,27 +5,12 @@
 #include <algorithm>
 
 #include "client/hands/picture_plane.hpp"
-#include "common/math/units.hpp"
 
 namespace eti::hands {
 namespace {
 
-constexpr float lifting = 15e-3f;          // [m/s]
-constexpr float turning = 25.0f * degree;  // [rad/s]
-constexpr float slide_per_notch = 2e-3f;   // [m]
 constexpr float in_the_mouth = 5e-3f;      // [m], of tube beyond the lips
 constexpr float before_the_mouth = 0.03f;  // [m]
-
-const std::array keys{
-    HandKey{U'w', "w", "lift along the handle", lifting},
-    HandKey{U'q', "q", "lower", -lifting},
-    HandKey{U'g', "g", "tip up", 0.0f, {-turning, 0.0f, 0.0f}},
-    HandKey{U'f', "f", "tip down", 0.0f, {turning, 0.0f, 0.0f}},
-    HandKey{U'a', "a", "tip to the left", 0.0f, {0.0f, turning, 0.0f}},
-    HandKey{U'd', "d", "tip to the right", 0.0f, {0.0f, -turning, 0.0f}},
-    HandKey{U't', "t", "roll to the left", 0.0f, {0.0f, 0.0f, -turning}},
-    HandKey{U'y', "y", "roll to the right", 0.0f, {0.0f, 0.0f, turning}},
-};
 
 // The tool's +x stays at the patient's left, so that the handle is in the median plane on the anterior
 // side.
@@ -39,15 +24,15 @@ Quatf pointing(const Vec3f& direction) {
     return Quatf(axes);
 }
 
-}  // namespace
-
-std::span<const HandKey> hand_keys() {
-    return keys;
+const HandKey* find_hand_key(char32_t key) {
+    const auto found = std::ranges::find(hand_keys(), key, &HandKey::key);
+    return found == hand_keys().end() ? nullptr : &*found;
 }
 
+}  // namespace
+
 bool is_hand_key(char32_t key) {
-    return key == other_hand_key || key == home_key ||
-           std::ranges::find(keys, key, &HandKey::key) != keys.end();
+    return key == other_hand_key || key == home_key || find_hand_key(key) != nullptr;
 }
 
 RigidTransform hand_start(Tool tool, const Landmarks& now, const Laryngoscope& scope, const Tube& tube) {
@@ -79,7 +64,7 @@ bool Hands::press(char32_t key) {
         active_tool().go_home();
         return true;
     }
-    if (std::ranges::find(keys, key, &HandKey::key) == keys.end()) {
+    if (find_hand_key(key) == nullptr) {
         return false;
     }
     pressed_.insert(key);
@@ -108,9 +93,7 @@ void Hands::drag(const HandDrag& drag, const Landmarks& now) {
 
 void Hands::advance(float dt, const Overtravel& blade, const Overtravel& tube) {
     for (const char32_t key : pressed_) {
-        const HandKey& row = *std::ranges::find(keys, key, &HandKey::key);
-        active_tool().lift(row.lift * dt);
-        active_tool().turn(row.turn * dt);
+        active_tool().hold(*find_hand_key(key), dt);
     }
     tools_[static_cast<std::size_t>(Tool::laryngoscope)].advance(dt, blade);
     tools_[static_cast<std::size_t>(Tool::tube)].advance(dt, tube);

@@ -4,31 +4,19 @@
 
 #include <array>
 #include <set>
-#include <span>
-#include <string_view>
 
 #include "client/hands/drag.hpp"
-#include "client/hands/held_tool.hpp"
 #include "client/render/views/camera.hpp"
+#include "common/device/held_tool.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/tools/tools.hpp"
 
 namespace eti::hands {
 
-/// One row of the table of keys that move the hand while held.
-struct HandKey {
-    char32_t key;
-    std::string_view caption;  ///< key name, in ASCII
-    std::string_view help;
-    float lift = 0.0f;           ///< [m/s]
-    Vec3f turn = Vec3f::Zero();  ///< [rad/s], about the tool's axes
-};
+/// Tab switches to the other hand.
+inline constexpr char32_t other_hand_key = U'\t';
 
-[[nodiscard]] std::span<const HandKey> hand_keys();
-
-/// Tab switches to the other hand; `z` returns the hand to its start.
-inline constexpr char32_t other_hand_key = U'\t', home_key = U'z';
-
+/// A row of hand_keys(), home_key or other_hand_key.
 [[nodiscard]] bool is_hand_key(char32_t key);
 
 /// Start pose of a tool: in front of the open mouth, on the insertion path. The blade is at the right

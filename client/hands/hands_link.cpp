@@ -173,7 +173,6 @@ void HandsLink::cycle() {
     state_.poses = {blade_writer_.written(), tube_writer_.written()};
     if (play_) {
         state_.played = play_->finished();
-        state_.play_step = play_->step_name();
         state_.view = play_->view();
     }
 }

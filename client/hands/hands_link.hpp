@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <thread>
 #include <variant>
@@ -45,10 +44,9 @@ class ToolWriter {
 struct HandsState {
     bool holding = false;  ///< the session is present and its tools have been acquired
     Tool chosen = Tool::laryngoscope;
-    std::array<bool, 2> owned{};  ///< by Tool: no other device writes its pose
-    float held_back = 0.0f;       ///< of the chosen tool, 0: free, 1: fully blocked
-    bool played = false;          ///< a list was played to its end
-    std::string play_step;
+    std::array<bool, 2> owned{};           ///< by Tool: no other device writes its pose
+    float held_back = 0.0f;                ///< of the chosen tool, 0: free, 1: fully blocked
+    bool played = false;                   ///< a list was played to its end
     const render::View* view = nullptr;    ///< view chosen by the playback list
     std::array<std::uint32_t, 2> poses{};  ///< number written
 };

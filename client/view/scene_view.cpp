@@ -20,10 +20,6 @@ constexpr float quaternion_unit = 32767.0f;
 // Time this far [ns] behind the newest is not a late datagram: the session restarted.
 constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
 
-Vec3f vector_of(const msg::Vec3& v) {
-    return {v.x(), v.y(), v.z()};
-}
-
 // A unit quaternion, within the tolerance of rounding and transport.
 std::optional<Quatf> unit_quaternion(float w, float x, float y, float z) {
     const Quatf q(w, x, y, z);
@@ -52,7 +48,7 @@ bool same(const FramePose& a, const FramePose& b) {
 std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
     const auto& q = pose.orientation();
     const auto rotation = unit_quaternion(q.w(), q.x(), q.y(), q.z());
-    const Vec3f position = vector_of(pose.position());
+    const Vec3f position = bus::from_msg(pose.position());
     if (!rotation || !plausible(position)) {
         return std::nullopt;
     }
@@ -62,7 +58,11 @@ std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
 }  // namespace
 
 bool SceneView::reject(const char* topic, const std::string& why) {
-    drops_.note(topic, why);
+    const auto now = std::chrono::steady_clock::now();
+    if (++dropped_ == 1 || now - last_drop_line_ >= std::chrono::seconds(1)) {
+        last_drop_line_ = now;
+        spdlog::warn("dropped a message on {}: {} ({} dropped so far)", topic, why, dropped_);
+    }
     return false;
 }
 
@@ -137,8 +137,8 @@ void SceneView::keep(const std::string&, RestFrames&& object) {
     for (auto surface = surfaces_.begin(); surface != surfaces_.end();) {
         const std::uint16_t highest = surface->second.model().highest_frame;
         if (highest >= rest_centres_.size()) {
-            drops_.note("eti/scene", fmt::format("object '{}': frame {} of {}", surface->first, highest,
-                                                 rest_centres_.size()));
+            reject("eti/scene",
+                   fmt::format("object '{}': frame {} of {}", surface->first, highest, rest_centres_.size()));
             arrived_.erase(surface->first);
             surface = surfaces_.erase(surface);
         } else {
@@ -206,7 +206,7 @@ bool SceneView::apply(const msg::DeformationState& message) {
         decoded_.push_back(*pose);
     }
     for (const msg::Vec3& node : message.tube_nodes()) {
-        if (!plausible(vector_of(node))) {
+        if (!plausible(bus::from_msg(node))) {
             return reject("eti/deformation", "impossible tube node");
         }
     }
@@ -218,13 +218,13 @@ bool SceneView::apply(const msg::DeformationState& message) {
     if (!message.tube_nodes().empty() && time >= tube_time_ns_) {
         tube_time_ns_ = time;
         const auto same_node = [](const Vec3f& known, const msg::Vec3& node) {
-            return known == vector_of(node);
+            return known == bus::from_msg(node);
         };
         // Every state repeats the nodes of a resting tube.
         if (!std::ranges::equal(tube_nodes_, message.tube_nodes(), same_node)) {
             tube_nodes_.clear();
             for (const msg::Vec3& node : message.tube_nodes()) {
-                tube_nodes_.push_back(vector_of(node));
+                tube_nodes_.push_back(bus::from_msg(node));
             }
             tube_moved_ = true;
         }

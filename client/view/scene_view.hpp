@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -11,7 +12,6 @@
 
 #include "client/view/annotations.hpp"
 #include "client/view/attempt_report.hpp"
-#include "client/view/drop_log.hpp"
 #include "client/view/liquid/liquid_detail.hpp"
 #include "client/view/scene_object.hpp"
 #include "client/view/skinned_surface.hpp"
@@ -107,7 +107,7 @@ class SceneView {
     [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
     /// Revision counter; changes whenever an object of the scene is added or replaced.
     [[nodiscard]] std::uint64_t scene_revision() const { return scene_revision_; }
-    [[nodiscard]] std::uint64_t dropped() const { return drops_.count(); }
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
     [[nodiscard]] std::span<const FramePose> frames() const { return frames_; }
     /// Maps from rest to current positions by frame, as of the last update().
     [[nodiscard]] std::span<const FrameMap> frame_maps() const { return maps_; }
@@ -121,6 +121,7 @@ class SceneView {
         std::vector<Vec3f> positions;
     };
 
+    /// Counts the message; logs at most once a second, so that no sender floods the log. Returns false.
     bool reject(const char* topic, const std::string& why);
     void keep(const std::string& name, RestFrames&& object);
     void keep(const std::string& name, RestSurface&& object);
@@ -180,7 +181,8 @@ class SceneView {
     std::optional<AttemptReport> attempt_report_;
     std::optional<AttemptReport> run_report_;
     std::uint64_t simulation_time_ns_ = 0;
-    DropLog drops_;
+    std::uint64_t dropped_ = 0;
+    std::chrono::steady_clock::time_point last_drop_line_{};
 };
 
 }  // namespace eti::view

@@ -26,7 +26,7 @@ EyeCompositor::EyeCompositor(int eye_width, int eye_height, const render::Qualit
       renderer_(quality) {}
 
 void EyeCompositor::draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown,
-                              std::span<const Ray> rays) {
+                              std::span<const LaserRay> rays) {
     const render::View& view = render::headset_view();
     clear(stereo_, 1.0f);
     renderer_.sync(scene, render::Baking::in_background);
@@ -41,7 +41,7 @@ void EyeCompositor::draw_eyes(const view::SceneView& scene, const render::Vantag
     for (std::size_t i = 0; i < eyes.size(); ++i) {
         hud::Tile& eye = eyes[i];
         eye.marks = aid_marks(view, from.headset_eyes[i], scene, from, look, eye);
-        for (const Ray& ray : rays) {
+        for (const LaserRay& ray : rays) {
             if (const auto line = project_line(ray.from, ray.to, from.headset_eyes[i], eye)) {
                 eye.marks.push_back(*line);
             }

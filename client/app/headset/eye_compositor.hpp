@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "client/app/headset/laser_pointer.hpp"
 #include "client/hud/hud.hpp"
 #include "client/hud/readout.hpp"
 #include "client/render/gl/render_target.hpp"
@@ -20,15 +21,10 @@ class EyeCompositor {
 
     EyeCompositor(int eye_width, int eye_height, const render::Quality& quality);
 
-    /// A line [m], patient frame, from a hand to its target.
-    struct Ray {
-        Vec3f from, to;
-    };
-
     /// Draws both eyes side by side into stereo(), with the session's aids. `shown`: whether there is a
-    /// patient to draw.
+    /// patient to draw. `rays`: in the patient frame.
     void draw_eyes(const view::SceneView& scene, const render::Vantage& from, bool shown,
-                   std::span<const Ray> rays = {});
+                   std::span<const LaserRay> rays = {});
     /// Draws the readout into readout_picture(), transparent where it is empty.
     void draw_readout(const hud::Readout& readout);
 

@@ -12,10 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "client/app/controls.hpp"
+#include "client/app/client_session.hpp"
 #include "client/app/headset/eye_compositor.hpp"
 #include "client/app/headset/headset_panel.hpp"
-#include "client/app/session_input.hpp"
 #include "client/app/window/compositor.hpp"
 #include "client/app/window/hand_keys.hpp"
 #include "client/app/window/window.hpp"
@@ -68,16 +67,9 @@ class HeadsetClient {
     HeadsetClient(const Options& options, bool egl)
         : options_(options),
           screen_(options, egl),
-          quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
-          node_(options.bus),
-          input_(node_, !options.observe, options.is_trainee()),
-          room_{options.gum_in_room} {
-        if (!options.observe) {
-            commands_.emplace(node_, options.bus.name);
-        }
-        controls_.emplace(*options.selection, commands_ ? &*commands_ : nullptr, options.vantage);
-        panel_.emplace(node_, commands_ ? &*commands_ : nullptr, options.panel);
-    }
+          client_(options),
+          panel_(*client_.panel, options.panel),
+          room_{options.gum_in_room} {}
 
     void run(std::optional<hmd::Runtime>& runtime) {
         bool absent = false;
@@ -113,30 +105,19 @@ class HeadsetClient {
                 idle(runtime ? headset_poll_interval : runtime_retry_interval);
             }
         }
-        controls_->release_all_keys(Clock::now());
+        client_.finish();
     }
 
     [[nodiscard]] nlohmann::json report() {
-        nlohmann::json out{{"session", options_.bus.session},
-                           {"view", "hmd"},
-                           {"scenarios", input_.scenarios()},
-                           {"end", end()},
-                           {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
-                           {"frames", frames_},
-                           {"sessions", ends_.size()},
-                           {"recentred", recentred_},
-                           {"layered", layered_},
-                           {"draw_ms",
-                            {{"eyes", eyes_time_.mean_ms()},
-                             {"sheet", sheet_time_.mean_ms()},
-                             {"hand_over", hand_over_time_.mean_ms()}}},
-                           {"messages_dropped", scene_.dropped()}};
-        if (commands_) {
-            (void)commands_->take_answers();
-            out["commands"] = {{"sent", commands_->sent()},
-                               {"accepted", commands_->accepted()},
-                               {"refused", commands_->refused()}};
-        }
+        nlohmann::json out = client_.report(end(), frames_);
+        out.update({{"view", "hmd"},
+                    {"sessions", ends_.size()},
+                    {"recentred", recentred_},
+                    {"layered", layered_},
+                    {"draw_ms",
+                     {{"eyes", eyes_time_.mean_ms()},
+                      {"sheet", sheet_time_.mean_ms()},
+                      {"hand_over", hand_over_time_.mean_ms()}}}});
         return out;
     }
 
@@ -166,8 +147,8 @@ class HeadsetClient {
     }
     void update() {
         tend_window();
-        input_.receive_into(scene_);
-        input_.wait(hidden_poll_interval);
+        client_.receive();
+        client_.input.wait(hidden_poll_interval);
     }
     void tend_window() {
         if (Window* const window = screen_.window()) {
@@ -182,7 +163,8 @@ class HeadsetClient {
         if (!pictures_ || pictures_->stereo().width() != 2 * headset.eye_width ||
             pictures_->stereo().height() != headset.eye_height) {
             pictures_.reset();  // only one text overlay may exist
-            pictures_ = std::make_unique<EyeCompositor>(headset.eye_width, headset.eye_height, quality_);
+            pictures_ = std::make_unique<EyeCompositor>(headset.eye_width, headset.eye_height,
+                                                        options_.drawing_quality());
         }
         {
             constexpr std::array<hmd::Session::QuadSize, 2> panels{
@@ -223,41 +205,36 @@ class HeadsetClient {
 
     void show(hmd::Session& session, const hmd::Frame& frame) {
         const auto now = Clock::now();
-        input_.receive_into(scene_);
-        if (!scene_.complete()) {
-            bus::refuse_other_protocol(node_);
-        }
-        scene_.update();
+        client_.receive();
         tend_window();
         hmd::HandInput hands = session.hands(frame);
-        panel_->point(hands);
+        panel_.point(hands);
         press(hand_keys_.follow(hands));
-        controls_->update(now);
-        panel_->follow(scene_, input_, controls_->refusals(), now);
+        (void)client_.update(now);
+        scene_.update();
         std::vector<hmd::Quad> panels{readout_quad};
         std::optional<hmd::Eyes> eyes = session.eyes(frame);
         if (eyes) {
             look_through(*eyes);
-            input_.publish_eye(scene_, vantage_.eye);
+            client_.input.publish_eye(scene_, vantage_.eye);
         }
         if (!frame.should_render || !session.life().visible()) {
             eyes.reset();
         }
         if (eyes) {
-            hud::Readout readout = hud::make_readout(scene_, server_lost(), node_.contested());
-            if (frames_ < frames_with_help && !options_.observe) {
+            hud::Readout readout = client_.readout(now);
+            if (frames_ < frames_with_help && !options_.observe && readout.keys.empty()) {
                 for (const auto& [input, meaning] : hands_help()) {
                     readout.keys.emplace_back(std::string(input) + ':', meaning);
                 }
             }
-            controls_->add_to(readout, now);
             measure(eyes_time_,
                     [&] { pictures_->draw_eyes(scene_, vantage_, scene_.has_all_frames(), rays()); });
             std::vector<const render::RenderTarget*> drawn{&pictures_->readout_picture()};
             measure(sheet_time_, [&] {
                 pictures_->draw_readout(readout);
-                if (panel_->shown()) {
-                    drawn.push_back(&panel_->draw(now));
+                if (panel_.shown()) {
+                    drawn.push_back(&panel_.draw(now));
                     panels.push_back(HeadsetPanel::place());
                 }
             });
@@ -298,48 +275,36 @@ class HeadsetClient {
     void press(const std::vector<KeyEvent>& keys) {
         const auto now = Clock::now();
         for (const KeyEvent& event : keys) {
-            if (event.key == U'p' || event.key == key_f1) {
-                if (event.down && !event.repeated) {
-                    panel_->toggle();
-                }
-                continue;
+            if (event.key != U'p' && event.key != key_f1) {
+                client_.key(event, now);
+            } else if (event.down && !event.repeated) {
+                panel_.toggle();
             }
-            event.down ? controls_->press(event.key, event.repeated, scene_, now)
-                       : controls_->release(event.key, now);
         }
     }
     // In the patient frame, like the eyes.
-    [[nodiscard]] std::vector<EyeCompositor::Ray> rays() const {
+    [[nodiscard]] std::vector<LaserRay> rays() const {
         const RigidTransform to_patient = room_.patient(scene_.live().table_angle).inverse();
-        std::vector<EyeCompositor::Ray> out;
-        for (const LaserPointer::Ray& ray : panel_->rays()) {
-            out.push_back({to_patient * ray.from, to_patient * ray.to});
+        std::vector<LaserRay> out = panel_.rays();
+        for (LaserRay& ray : out) {
+            ray = {to_patient * ray.from, to_patient * ray.to};
         }
         return out;
     }
     void release_hand_keys() {
         hmd::HandInput none;
-        panel_->point(none);
+        panel_.point(none);
         press(hand_keys_.follow(none));
-    }
-
-    [[nodiscard]] bool server_lost() const {
-        return (input_.presence() == ServerPresence::gone || input_.presence() == ServerPresence::silent) &&
-               input_.presence_for_s() > lost_after_s;
     }
 
     const Options& options_;
     Screen screen_;
     hmd::Graphics graphics_;
-    const render::Quality& quality_;
-    bus::Node node_;
-    SessionInput input_;
-    std::optional<bus::CommandSender> commands_;
-    std::optional<Controls> controls_;
+    ClientSession client_;
+    view::SceneView& scene_ = client_.scene;
     HandKeys hand_keys_;
-    std::optional<HeadsetPanel> panel_;
+    HeadsetPanel panel_;
     hmd::Room room_;
-    view::SceneView scene_;
     render::Vantage vantage_;
     std::unique_ptr<EyeCompositor> pictures_;
     std::vector<hmd::SessionEnd> ends_;  // of headset sessions

@@ -16,9 +16,6 @@ hmd::Quad HeadsetPanel::place() {
             wide * height / width};
 }
 
-HeadsetPanel::HeadsetPanel(bus::Node& node, bus::CommandSender* commands, bool shown)
-    : session_(node, commands), shown_(shown) {}
-
 void HeadsetPanel::point(hmd::HandInput& hands) {
     const hmd::Quad here = place();
     laser_.follow(shown_ ? &here : nullptr, hands);
@@ -29,7 +26,7 @@ const render::RenderTarget& HeadsetPanel::draw(Time now) {
     picture_.bind_picture();
     glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
-    drawing_.draw_full_screen(session_.model(), width, height, now);
+    drawing_.draw_full_screen(model_, width, height, now);
     return picture_;
 }
 

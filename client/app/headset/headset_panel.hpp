@@ -2,11 +2,9 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "client/app/headset/laser_pointer.hpp"
-#include "client/app/session_panel.hpp"
 #include "client/render/gl/render_target.hpp"
 
 namespace eti::client {
@@ -14,7 +12,7 @@ namespace eti::client {
 /// The instructor's panel in a headset: a quad beside the patient, operated with laser pointers.
 class HeadsetPanel {
   public:
-    using Time = SessionPanel::Time;
+    using Time = panel::Model::Time;
 
     /// Size of the panel's picture [pixels]; letters are 20 pixels high.
     static constexpr int width = 540, height = 640;
@@ -22,25 +20,20 @@ class HeadsetPanel {
     /// letters are 20 mm high there, 1.3 deg.
     [[nodiscard]] static hmd::Quad place();
 
-    /// `commands`: null for an observer. All arguments must outlive the panel.
-    HeadsetPanel(bus::Node& node, bus::CommandSender* commands, bool shown);
+    /// `model` must outlive the panel.
+    HeadsetPanel(panel::Model& model, bool shown) : model_(model), shown_(shown) {}
 
     void toggle() { shown_ = !shown_; }
     [[nodiscard]] bool shown() const { return shown_; }
     /// Takes the panel's input from `hands`.
     void point(hmd::HandInput& hands);
-    /// Takes in the server's state and sends the requested commands.
-    void follow(const view::SceneView& scene, const SessionInput& input,
-                std::span<const bus::Refusal> refusals, Time now) {
-        session_.follow(scene, input, refusals, now);
-    }
     /// Rays from the hands to their targets, world frame.
-    [[nodiscard]] const std::vector<LaserPointer::Ray>& rays() const { return laser_.rays(); }
+    [[nodiscard]] const std::vector<LaserRay>& rays() const { return laser_.rays(); }
     /// Redraws and returns the panel's picture.
     const render::RenderTarget& draw(Time now);
 
   private:
-    SessionPanel session_;
+    panel::Model& model_;
     render::RenderTarget picture_{width, height, 1};
     panel::PanelRenderer drawing_;
     LaserPointer laser_;

@@ -12,6 +12,11 @@
 
 namespace eti::client {
 
+/// A line [m] from a hand to its target.
+struct LaserRay {
+    Vec3f from, to;
+};
+
 /// Whether a trigger counts as pulled; has hysteresis, so that a trembling finger does not toggle it.
 [[nodiscard]] bool trigger_pulled(float trigger, bool already);
 
@@ -26,11 +31,8 @@ class LaserPointer {
     /// Position in a picture of this size [pixels]; far outside if no hand points at the panel.
     [[nodiscard]] panel::Pointer pointer(int width, int height) const;
 
-    /// From a hand to its target [m], world frame; one for each tracked hand while the panel is shown.
-    struct Ray {
-        Vec3f from, to;
-    };
-    [[nodiscard]] const std::vector<Ray>& rays() const { return rays_; }
+    /// In the world frame; one for each tracked hand while the panel is shown.
+    [[nodiscard]] const std::vector<LaserRay>& rays() const { return rays_; }
 
   private:
     enum class TriggerOwner { nothing, panel, elsewhere };
@@ -38,7 +40,7 @@ class LaserPointer {
     std::array<TriggerOwner, 2> trigger_owner_{};
     std::size_t active_hand_ = 1;  // the pointing hand: the right one, or the last to click
     std::optional<hmd::QuadHit> at_;
-    std::vector<Ray> rays_;
+    std::vector<LaserRay> rays_;
 };
 
 }  // namespace eti::client

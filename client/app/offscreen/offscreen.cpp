@@ -11,9 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "client/app/client_session.hpp"
 #include "client/app/offscreen/pictures.hpp"
-#include "client/app/session_input.hpp"
-#include "client/app/window/hand_controls.hpp"
 #include "client/render/gl/headless_context.hpp"
 #include "client/render/video.hpp"
 #include "common/process/priority.hpp"
@@ -25,9 +24,6 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// A server that left the bus does not return by itself; a slow one recovers.
-constexpr double gone_for_s = 1.0;
-constexpr double silent_for_s = 15.0;
 // Maximum time the video repeats a picture: a longer jump of simulation time is a new session.
 constexpr std::int64_t longest_hold_s = 20;
 constexpr int drawing_nice = 5;
@@ -55,17 +51,12 @@ const char* name_of(End end) {
 
 class Offscreen {
   public:
-    Offscreen(const Options& options, bus::Node& node)
+    Offscreen(const Options& options, ClientSession& client)
         : options_(options),
-          node_(node),
-          // Frames are drawn at most at the video's rate, for which deformation at 30 Hz is usually enough.
-          input_(node, options.frames_per_second > 30.0, options.is_trainee()),
-          quality_(options.quality != nullptr ? *options.quality : render::affordable_quality()),
+          client_(client),
+          quality_(options.drawing_quality()),
           compositor_(options.width, options.height, quality_),
           pictures_(options.offscreen) {
-        if (options.hands) {
-            hands_ = std::make_unique<HandControls>(node, options.play, options.tutorial);
-        }
         if (!options.video.empty()) {
             video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
                                                      options.height);
@@ -77,8 +68,7 @@ class Offscreen {
         auto deadline = Clock::now() + patience_;
         bool announced = false, deadline_of_shape = false;
         while (!scene_.has_all_frames()) {
-            input_.receive_into(scene_);
-            bus::refuse_other_protocol(node_);
+            client_.receive();
             if (stop_requested()) {
                 end_ = End::stopped;
                 return true;
@@ -86,7 +76,7 @@ class Offscreen {
             if (scene_.complete() && !deadline_of_shape) {
                 deadline_of_shape = true;
                 deadline = Clock::now() + first_shape_timeout;
-            } else if (input_.server_on_bus() && !scene_.complete()) {
+            } else if (client_.input.server_on_bus() && !scene_.complete()) {
                 // The server is present and still builds its patient, which may take longer than any fixed
                 // time.
                 deadline = Clock::now() + patience_;
@@ -98,7 +88,7 @@ class Offscreen {
             if (Clock::now() > deadline) {
                 return scene_.complete();
             }
-            input_.wait(20ms);
+            client_.input.wait(20ms);
         }
         spdlog::info("scene is complete: {} surfaces", scene_.surfaces().size());
         return true;
@@ -107,17 +97,17 @@ class Offscreen {
     void follow() {
         while (end_ == End::none) {
             receive();
-            if (hands_ && hands_->update(scene_, selection())) {
-                take_pictures_now(fmt::format("lesson_{}", hands_->lesson()));
+            if (client_.update(Clock::now())) {
+                take_pictures_now(fmt::format("lesson_{}", client_.hands->lesson()));
             }
             end_ = why_to_end();
             if (end_ == End::none && !draw_if_due()) {
-                input_.wait(10ms);
+                client_.input.wait(10ms);
             }
         }
         if (end_ == End::finished) {
             // Deformation and status are separate topics; wait for the last deformation states.
-            for (const auto until = Clock::now() + 300ms; Clock::now() < until; input_.wait(20ms)) {
+            for (const auto until = Clock::now() + 300ms; Clock::now() < until; client_.input.wait(20ms)) {
                 receive();
             }
         }
@@ -128,8 +118,7 @@ class Offscreen {
             scene_.update();
             take_pictures(scene_, readout(), "final");
             if (video_) {
-                compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), false,
-                                 selection().arrangement);
+                draw(false);
                 video_->add(compositor_.target().read(),
                             static_cast<int>(std::ceil(options_.frames_per_second)));
             }
@@ -142,7 +131,7 @@ class Offscreen {
         }
     }
 
-    [[nodiscard]] nlohmann::json report() const {
+    [[nodiscard]] nlohmann::json report() {
         nlohmann::json pictures = nlohmann::json::array();
         for (const auto& file : pictures_.files()) {
             pictures.push_back(file.string());
@@ -154,26 +143,14 @@ class Offscreen {
                 times[std::string(render::views()[v].name)] = time.mean_ms();
             }
         }
-        nlohmann::json report{
-            {"session", options_.bus.session},
-            {"view", std::string(options_.selection->name)},
-            {"scenarios", input_.scenarios()},
-            {"end", name_of(end_)},
-            {"simulation_time_s", 1e-9 * static_cast<double>(scene_.simulation_time_ns())},
-            {"frames", frames_},
-            {"frames_drawn", drawn_},
-            {"frames_held", held_},
-            {"quality", std::string(quality_.name)},
-            {"sync_ms", compositor_.sync_time().mean_ms()},
-            {"draw_ms", times},
-            {"best_glottic_opening_percent", best_.percent()},
-            {"messages_dropped", scene_.dropped()},
-            {"states_missed", input_.arrival().missed()},
-            {"state_age_ms", {{"mean", input_.arrival().mean_ms()}, {"max", input_.arrival().max_ms()}}},
-            {"pictures", pictures}};
-        if (hands_) {
-            report["hands"] = hands_->report();
-        }
+        nlohmann::json report = client_.report(name_of(end_), frames_);
+        report.update({{"frames_drawn", drawn_},
+                       {"frames_held", held_},
+                       {"quality", std::string(quality_.name)},
+                       {"sync_ms", compositor_.sync_time().mean_ms()},
+                       {"draw_ms", times},
+                       {"best_glottic_opening_percent", best_.percent()},
+                       {"pictures", pictures}});
         if (video_) {
             report["video"] = {{"file", video_->file().string()},
                                {"frames", video_->frames()},
@@ -183,35 +160,15 @@ class Offscreen {
     }
 
     [[nodiscard]] const render::Quality& quality() const { return quality_; }
-    [[nodiscard]] End end() const { return end_; }
     [[nodiscard]] bool has_scene() const { return scene_.complete(); }
 
   private:
-    [[nodiscard]] bool server_lost() const {
-        return (input_.presence() == ServerPresence::gone && input_.presence_for_s() > gone_for_s) ||
-               (input_.presence() == ServerPresence::silent && input_.presence_for_s() > silent_for_s);
-    }
+    [[nodiscard]] hud::Readout readout() const { return client_.readout(Clock::now()); }
 
-    [[nodiscard]] const Selection& selection() const {
-        return hands_ ? hands_->shown(*options_.selection) : *options_.selection;
-    }
-
-    [[nodiscard]] hud::Readout readout() const {
-        hud::Readout out = hud::make_readout(
-            scene_, end_ == End::lost || input_.presence() == ServerPresence::gone, node_.contested());
-        if (hands_) {
-            hands_->add_to(out);
-        }
-        return out;
-    }
-
-    /// An instructor uses the trainee's eye.
-    [[nodiscard]] render::Vantage vantage_of(const view::SceneView& scene) const {
-        render::Vantage from = options_.vantage;
-        if (options_.instructor && scene.trainee_eye()) {
-            from.eye = view::TraineeEye::from_headset(*scene.trainee_eye());
-        }
-        return from;
+    void draw(bool measured) {
+        const Selection& selection = client_.selection();
+        compositor_.draw(selection.views(scene_), scene_, readout(), client_.controls.vantage(), measured,
+                         selection.arrangement);
     }
 
     [[nodiscard]] End why_to_end() const {
@@ -224,7 +181,7 @@ class Offscreen {
         if (options_.frames > 0 && frames_ >= options_.frames) {
             return End::enough_frames;
         }
-        return server_lost() ? End::lost : End::none;
+        return client_.lost ? End::lost : End::none;
     }
 
     // Frames belong to ticks of simulation time. For a tick that could not be drawn the video repeats the
@@ -240,8 +197,7 @@ class Offscreen {
                                  (frames_ == 0 || time_s >= next_picture_s_ || tick < last_tick_);
         if (video_) {
             scene_.update();
-            compositor_.draw(selection().views(scene_), scene_, readout(), vantage_of(scene_), true,
-                             selection().arrangement);
+            draw(true);
             add_to_video(tick);
             ++drawn_;
         }
@@ -250,7 +206,7 @@ class Offscreen {
             next_picture_s_ =
                 (std::floor(time_s / options_.picture_interval_s) + 1.0) * options_.picture_interval_s;
         }
-        input_.publish_eye(scene_, options_.vantage.eye);
+        client_.input.publish_eye(scene_, client_.controls.vantage().eye);
         ++frames_;
         last_tick_ = tick;
         const auto spent = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -270,7 +226,7 @@ class Offscreen {
     }
 
     void receive() {
-        input_.receive_into(scene_);
+        client_.receive();
         best_.consider(scene_);
     }
 
@@ -293,20 +249,20 @@ class Offscreen {
 
     void take_pictures(const view::SceneView& scene, const hud::Readout& said, std::string_view occasion,
                        const std::function<void()>& between = {}) {
-        pictures_.take(compositor_, selection(), scene, said, vantage_of(scene), occasion, between);
+        client_.controls.follow(scene);  // its own trainee's eye, for an instructor
+        pictures_.take(compositor_, client_.selection(), scene, said, client_.controls.vantage(), occasion,
+                       between);
     }
 
     const Options& options_;
     const std::chrono::duration<double> patience_{options_.wait_s.value_or(Options::offscreen_wait_s)};
-    const bus::Node& node_;
-    SessionInput input_;
-    view::SceneView scene_;
+    ClientSession& client_;
+    view::SceneView& scene_ = client_.scene;
     render::HeadlessContext context_;
     const render::Quality& quality_;  // for all pictures except those drawn after the session
     Compositor compositor_;
     PictureWriter pictures_;
     BestView best_;
-    std::unique_ptr<HandControls> hands_;
     std::unique_ptr<render::Video> video_;
     render::Image last_image_;
     std::uint64_t frames_ = 0;            // number due
@@ -320,11 +276,11 @@ class Offscreen {
 
 int run_offscreen(const Options& options, nlohmann::json& result) {
     prepare_folder(options.offscreen);
-    bus::Node node(options.bus);
+    ClientSession client(options);
     // The software rasteriser would occupy every core, and these pictures are not urgent. The bus's own
     // threads are lowered less, as messages would otherwise pile up at their writers.
     lower_priority(drawing_nice);
-    Offscreen offscreen(options, node);
+    Offscreen offscreen(options, client);
     spdlog::info("drawing with {}, quality {}", render::driver_name(), offscreen.quality().name);
     if (!offscreen.wait_for_scene()) {
         spdlog::error("no scene came within {} s (--wait): {}",
@@ -334,9 +290,6 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     }
     if (offscreen.has_scene()) {
         offscreen.follow();
-    }
-    if (offscreen.end() == End::lost) {
-        spdlog::warn("the server is lost; keeping the last picture");
     }
     offscreen.finish();
     result = offscreen.report();

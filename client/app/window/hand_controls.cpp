@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, std::string>> hand_controls_help() {
         {"wheel", "slide the tool in and out"},
         {"shift+mouse", "move the view instead"},
         {"z", "hand back to its start"}};
-    for (const hands::HandKey& key : hands::hand_keys()) {
+    for (const HandKey& key : hand_keys()) {
         out.emplace_back(key.caption, key.help);
     }
     return out;

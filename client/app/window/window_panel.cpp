@@ -7,8 +7,6 @@
 #include "client/app/window/command_keys.hpp"
 
 namespace eti::client {
-WindowPanel::WindowPanel(Window& window, bus::Node& node, bus::CommandSender* commands, bool shown)
-    : window_(window), session_(node, commands), drawing_(window.handle()), shown_(shown) {}
 
 void WindowPanel::poll_events() {
     const auto listening = drawing_.make_current();
@@ -44,7 +42,7 @@ void WindowPanel::draw(Time now) {
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, window_.width(), window_.height());
-    drawing_.draw(session_.model(), window_.width(), window_.height(), now);
+    drawing_.draw(model_, window_.width(), window_.height(), now);
 }
 
 }  // namespace eti::client

@@ -2,9 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <span>
-
-#include "client/app/session_panel.hpp"
 #include "client/app/window/window.hpp"
 #include "client/panel/panel_renderer.hpp"
 
@@ -16,8 +13,9 @@ class WindowPanel {
   public:
     using Time = panel::Model::Time;
 
-    /// `commands`: null for an observer, whose panel sends nothing. All arguments must outlive the panel.
-    WindowPanel(Window& window, bus::Node& node, bus::CommandSender* commands, bool shown);
+    /// Window and model must outlive the panel.
+    WindowPanel(Window& window, panel::Model& model, bool shown)
+        : window_(window), model_(model), drawing_(window.handle()), shown_(shown) {}
 
     /// Call instead of Window::poll_events().
     void poll_events();
@@ -28,11 +26,6 @@ class WindowPanel {
     /// Whether the panel captures the keyboard, including Esc.
     [[nodiscard]] bool has_keyboard() const { return shown_ && drawing_.has_keyboard(); }
 
-    /// Takes in the server's state and sends the requested commands.
-    void follow(const view::SceneView& scene, const SessionInput& input,
-                std::span<const bus::Refusal> refusals, Time now) {
-        session_.follow(scene, input, refusals, now);
-    }
     /// The part of the window left for the scene.
     [[nodiscard]] panel::Area scene_area() const;
     /// Draws into the window, beside the scene.
@@ -40,7 +33,7 @@ class WindowPanel {
 
   private:
     Window& window_;
-    SessionPanel session_;
+    panel::Model& model_;
     panel::PanelRenderer drawing_;
     bool shown_;
 };

@@ -6,11 +6,12 @@
 
 #include <GLFW/glfw3.h>
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <utility>
 
-#include "common/math/units.hpp"
+#include "common/device/held_tool.hpp"
 #include "devices/sensor/operator_frame.hpp"
 #include "devices/sensor/triple_buffer.hpp"
 
@@ -20,20 +21,12 @@ namespace {
 
 constexpr float metre_per_pixel = 0.2e-3f;
 constexpr float radian_per_pixel = 0.2f * degree;
-constexpr float metre_per_notch = 2e-3f;       // of the wheel
-constexpr float key_speed = 0.03f;             // [m/s]
-constexpr float key_turning = 30.0f * degree;  // [rad/s]
-constexpr float longest_key_interval = 0.1f;   // [s], between two polls of the keys
-
-/// A key that deflects one of x, y, z.
-struct Key {
-    int code;
-    Vec3f direction;
-};
+constexpr float longest_interval = 0.1f;  // [s], between two polls
 
 class Mouse final : public Sensor {
   public:
-    explicit Mouse(const SensorSetup& setup) : pose_(parked_pose(setup.tool)) {
+    explicit Mouse(const SensorSetup& setup)
+        : hand_(setup.tool_length, setup.curvature, parked_pose(setup.tool)) {
         if (glfwInit() != GLFW_TRUE) {
             throw DeviceError(std::string("--device mouse: no window: ") + glfw_words() +
                               ". Run it in a desktop session, or with DISPLAY set");
@@ -65,7 +58,7 @@ class Mouse final : public Sensor {
     void poll_events() override {
         glfwPollEvents();
         const auto now = std::chrono::steady_clock::now();
-        const float dt = std::min(std::chrono::duration<float>(now - looked_).count(), longest_key_interval);
+        const float dt = std::min(std::chrono::duration<float>(now - looked_).count(), longest_interval);
         looked_ = now;
         double x = 0.0, y = 0.0;
         glfwGetCursorPos(window_, &x, &y);
@@ -73,18 +66,26 @@ class Mouse final : public Sensor {
         x_ = x;
         y_ = y;
 
-        Vec3f way = key_speed * dt * pressed(moves), turn = key_turning * dt * pressed(turns);
         if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS) {
-            way += metre_per_pixel * drag;
+            hand_.move(from_operator(metre_per_pixel * drag));
         }
         if (glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS) {
             // Dragging right turns about the vertical axis, dragging up about the lateral one.
-            turn += radian_per_pixel * Vec3f(-drag.y(), drag.x(), 0.0f);
+            const Vec3f turn = from_operator(radian_per_pixel * Vec3f(-drag.y(), drag.x(), 0.0f));
+            hand_.turn(hand_.target().rotation.conjugate() * turn);
         }
-        way.z() -= metre_per_notch * wheel_;  // forward: away from the body
-        wheel_ = 0.0f;
-        pose_ = moved(pose_, way, turn);
-        velocity_ = dt > 0.0f ? Vec3f(from_operator(way) / dt) : Vec3f(Vec3f::Zero());
+        hand_.slide(slide_per_notch * std::exchange(wheel_, 0.0f));
+        for (const HandKey& key : hand_keys()) {
+            if (pressed(key.key)) {
+                hand_.hold(key, dt);
+            }
+        }
+        if (pressed(home_key)) {
+            hand_.go_home();
+        }
+        const Vec3f before = hand_.pose().translation;
+        hand_.advance(dt, {});
+        velocity_ = dt > 0.0f ? Vec3f((hand_.pose().translation - before) / dt) : Vec3f(Vec3f::Zero());
         closed_ = glfwWindowShouldClose(window_) != 0;
         hand_over();
     }
@@ -102,34 +103,27 @@ class Mouse final : public Sensor {
     }
 
   private:
-    static const std::array<Key, 6> moves, turns;
-
     static std::string glfw_words() {
         const char* words = nullptr;
         (void)glfwGetError(&words);
         return words == nullptr ? "no reason given" : words;
     }
 
-    [[nodiscard]] Vec3f pressed(const std::array<Key, 6>& keys) const {
-        Vec3f sum = Vec3f::Zero();
-        for (const Key& key : keys) {
-            if (glfwGetKey(window_, key.code) == GLFW_PRESS) {
-                sum += key.direction;
-            }
-        }
-        return sum;
+    /// `letter`: lower-case. GLFW names a key by its capital letter on a US keyboard.
+    [[nodiscard]] bool pressed(char32_t letter) const {
+        return glfwGetKey(window_, static_cast<int>(letter - U'a' + GLFW_KEY_A)) == GLFW_PRESS;
     }
 
     void hand_over() {
         Reading reading;
-        reading.motion = {pose_, velocity_, Vec3f::Zero()};
+        reading.motion = {hand_.pose(), velocity_, Vec3f::Zero()};
         reading.buttons = glfwGetKey(window_, GLFW_KEY_SPACE) == GLFW_PRESS ? 1u : 0u;
         reading.present = !closed_;
         newest_.write(reading);
     }
 
     GLFWwindow* window_ = nullptr;
-    RigidTransform pose_;
+    HeldTool hand_;
     Vec3f velocity_ = Vec3f::Zero();
     double x_ = 0.0, y_ = 0.0;  // cursor
     float wheel_ = 0.0f;        // notches since the last poll
@@ -138,19 +132,6 @@ class Mouse final : public Sensor {
     TripleBuffer<Reading> newest_;
     std::uint64_t calls_ = 0;
 };
-
-const std::array<Key, 6> Mouse::moves = {{{GLFW_KEY_D, Vec3f::UnitX()},
-                                          {GLFW_KEY_A, -Vec3f::UnitX()},
-                                          {GLFW_KEY_R, Vec3f::UnitY()},
-                                          {GLFW_KEY_F, -Vec3f::UnitY()},
-                                          {GLFW_KEY_S, Vec3f::UnitZ()},
-                                          {GLFW_KEY_W, -Vec3f::UnitZ()}}};
-const std::array<Key, 6> Mouse::turns = {{{GLFW_KEY_I, Vec3f::UnitX()},
-                                          {GLFW_KEY_K, -Vec3f::UnitX()},
-                                          {GLFW_KEY_J, Vec3f::UnitY()},
-                                          {GLFW_KEY_L, -Vec3f::UnitY()},
-                                          {GLFW_KEY_U, Vec3f::UnitZ()},
-                                          {GLFW_KEY_O, -Vec3f::UnitZ()}}};
 
 }  // namespace
 

@@ -8,9 +8,9 @@
 
 namespace eti::devices {
 
-/// A tool controlled by mouse and keys in a small window, as seen by an operator at the patient's head.
-/// Dragging with the left button moves it sideways and up, dragging with the right button turns it, the wheel
-/// moves it in and out. Keys A D R F W S move, J L I K U O turn; the space bar is suction.
+/// A hand moved by mouse and keys (HeldTool) in a small window, as seen by an operator at the patient's head.
+/// Dragging with the left button moves the tool sideways and up, dragging with the right button turns it
+/// about its tip, the wheel slides it in and out; hand_keys() lift and turn it, the space bar is suction.
 [[nodiscard]] std::unique_ptr<Sensor> open_mouse(const SensorSetup& setup);
 
 }  // namespace eti::devices

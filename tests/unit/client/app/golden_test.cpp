@@ -398,8 +398,8 @@ TEST_F(Golden, HeadsetEyeAndPanelMatchReferenceImage) {
     compositor_.reset();  // the text overlay is one
     {
         client::EyeCompositor eyes(side, side, render::qualities().front());
-        const client::EyeCompositor::Ray ray{to_patient * hand.translation,
-                                             to_patient * (hand * Vec3f(0.0f, 0.0f, -0.9f))};
+        const client::LaserRay ray{to_patient * hand.translation,
+                                   to_patient * (hand * Vec3f(0.0f, 0.0f, -0.9f))};
         ASSERT_TRUE(test::eventually(
             [&] {
                 eyes.draw_eyes(moment.scene, from, false);

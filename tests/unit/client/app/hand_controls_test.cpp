@@ -18,7 +18,7 @@ TEST(HandControls, HelpListsEveryKeyOnce) {
         EXPECT_TRUE(named.insert(key).second) << key;
         EXPECT_FALSE(help.empty()) << key;
     }
-    for (const hands::HandKey& row : hands::hand_keys()) {
+    for (const HandKey& row : hand_keys()) {
         EXPECT_TRUE(named.contains(std::string(row.caption))) << row.caption;
     }
     for (const client::Selection& row : client::selections()) {

@@ -27,8 +27,8 @@ class HandsTest : public ::testing::Test {
         }
     }
     void drag(const Drag& mouse) { hands_.drag({mouse, camera_, hands_height}, scene_.landmarks); }
-    [[nodiscard]] const hands::HeldTool& blade() const { return hands_.held(Tool::laryngoscope); }
-    [[nodiscard]] const hands::HeldTool& tube() const { return hands_.held(Tool::tube); }
+    [[nodiscard]] const HeldTool& blade() const { return hands_.held(Tool::laryngoscope); }
+    [[nodiscard]] const HeldTool& tube() const { return hands_.held(Tool::tube); }
 
     synthetic::Scene scene_ = synthetic::make_scene();
     Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
@@ -45,7 +45,7 @@ class HandsTest : public ::testing::Test {
 TEST_F(HandsTest, StartBeforeMouthPointingInwards) {
     const Vec3f& mouth = at(scene_.landmarks, Landmark::mouth_opening);
     for (const Tool tool : {Tool::laryngoscope, Tool::tube}) {
-        const hands::HeldTool& held = hands_.held(tool);
+        const HeldTool& held = hands_.held(tool);
         const float away = (held.tip() - mouth).norm();
         EXPECT_GT(away, 0.02f);
         EXPECT_LT(away, 0.07f);
@@ -129,21 +129,21 @@ TEST_F(HandsTest, HomeKeyReturnsToStart) {
     const RigidTransform start = blade().pose();
     drag({.x = 40.0f, .notches = 5.0f});
     follow(100);
-    EXPECT_TRUE(hands_.press(hands::home_key));
+    EXPECT_TRUE(hands_.press(home_key));
     follow(200);
     EXPECT_NEAR((blade().pose().translation - start.translation).norm(), 0.0f, hands_tolerance);
 }
 
 // A key with two meanings would perform only one of them.
 TEST(HandKeys, DoNotCollideWithOtherKeys) {
-    for (const hands::HandKey& row : hands::hand_keys()) {
+    for (const HandKey& row : hand_keys()) {
         EXPECT_EQ(client::command_key(row.key), nullptr) << row.caption;
         EXPECT_EQ(client::vantage_key(row.key), nullptr) << row.caption;
         EXPECT_EQ(client::selection_for_key(static_cast<char>(row.key)), nullptr) << row.caption;
         EXPECT_TRUE(hands::is_hand_key(row.key));
     }
-    EXPECT_EQ(client::command_key(hands::home_key), nullptr);
-    EXPECT_EQ(client::vantage_key(hands::home_key), nullptr);
+    EXPECT_EQ(client::command_key(home_key), nullptr);
+    EXPECT_EQ(client::vantage_key(home_key), nullptr);
     EXPECT_FALSE(hands::is_hand_key(U'h'));
 }
 

@@ -2,10 +2,13 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <span>
+#include <string_view>
+
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
 
-namespace eti::hands {
+namespace eti {
 
 /// Distance by which a held tool is ahead of the pose that the patient allows, patient frame.
 struct Overtravel {
@@ -22,6 +25,19 @@ struct HandLimits {
     float max_overtravel_angle = 0.04f;  ///< [rad], likewise
     float yield_time = 0.15f;            ///< [s], time constant of yielding beyond that
 };
+
+/// One row of the table of keys that move the hand while held.
+struct HandKey {
+    char32_t key;              ///< a lower-case letter
+    std::string_view caption;  ///< key name, in ASCII
+    std::string_view help;
+    float lift = 0.0f;           ///< [m/s]
+    Vec3f turn = Vec3f::Zero();  ///< [rad/s], about the tool's axes
+};
+[[nodiscard]] std::span<const HandKey> hand_keys();
+
+inline constexpr char32_t home_key = U'z';       ///< returns the hand to its start
+inline constexpr float slide_per_notch = 2e-3f;  ///< [m], by a notch of the wheel
 
 /// A tool held by a hand that mouse and keys move: a target pose, and the hand's pose, which follows at
 /// limited speed. Where the patient blocks the tool, both stop, so that the hand retreats as soon as it is
@@ -43,10 +59,10 @@ class HeldTool {
     void lift(float length);
     /// Rotates about the tool's own axes [rad], at its tip.
     void turn(const Vec3f& angles);
+    /// Lifts and turns as a key does that is held for `dt` [s].
+    void hold(const HandKey& key, float dt);
     /// Returns to the start along a straight path.
     void go_home() { target_ = home_; }
-    /// Jumps to a new start pose.
-    void reset_to(const RigidTransform& pose) { pose_ = target_ = home_ = pose; }
 
     /// Moves the pose towards the target for `dt` [s].
     void advance(float dt, const Overtravel& overtravel);
@@ -74,4 +90,4 @@ class HeldTool {
     RigidTransform home_, pose_, target_;
 };
 
-}  // namespace eti::hands
+}  // namespace eti

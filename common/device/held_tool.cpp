@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/hands/held_tool.hpp"
+#include "common/device/held_tool.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/model/tools/tools.hpp"
 
-namespace eti::hands {
+namespace eti {
 namespace {
+
+constexpr float lifting = 15e-3f;          // [m/s]
+constexpr float turning = 25.0f * degree;  // [rad/s]
+
+const std::array keys{
+    HandKey{U'w', "w", "lift along the handle", lifting},
+    HandKey{U'q', "q", "lower", -lifting},
+    HandKey{U'g', "g", "tip up", 0.0f, {-turning, 0.0f, 0.0f}},
+    HandKey{U'f', "f", "tip down", 0.0f, {turning, 0.0f, 0.0f}},
+    HandKey{U'a', "a", "tip to the left", 0.0f, {0.0f, turning, 0.0f}},
+    HandKey{U'd', "d", "tip to the right", 0.0f, {0.0f, -turning, 0.0f}},
+    HandKey{U't', "t", "roll to the left", 0.0f, {0.0f, 0.0f, -turning}},
+    HandKey{U'y', "y", "roll to the right", 0.0f, {0.0f, 0.0f, turning}},
+};
 
 // Limits `gap` in the direction of `overtravel`: half of `most` is free, beyond that the step decreases to
 // zero.
@@ -30,6 +45,10 @@ Vec3f recovery_step(const Vec3f& overtravel, float most, float share) {
 }
 
 }  // namespace
+
+std::span<const HandKey> hand_keys() {
+    return keys;
+}
 
 HeldTool::HeldTool(float length, float curvature, const RigidTransform& start, const HandLimits& limits)
     : length_(length),
@@ -70,6 +89,11 @@ void HeldTool::turn(const Vec3f& angles) {
     const Vec3f tip = target_ * tip_;
     target_.rotation = (target_.rotation * quaternion_from(angles)).normalized();
     target_.translation = tip - target_.rotation * tip_;
+}
+
+void HeldTool::hold(const HandKey& key, float dt) {
+    lift(key.lift * dt);
+    turn(key.turn * dt);
 }
 
 float HeldTool::arc_length_to(const Vec3f& point) const {
@@ -119,4 +143,4 @@ void HeldTool::advance(float dt, const Overtravel& overtravel) {
                                              limits_.angular_speed * dt / std::max(angle, 1e-9f)}));
 }
 
-}  // namespace eti::hands
+}  // namespace eti

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/hands/held_tool.hpp"
+#include "common/device/held_tool.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,6 @@
 
 namespace eti {
 namespace {
-
-using hands::HandLimits;
-using hands::HeldTool;
-using hands::Overtravel;
 
 constexpr float held_tool_dt = 1.0f / 180.0f;
 constexpr float held_tool_tolerance = 1e-6f;  // [m], rounding of floats of a metre
