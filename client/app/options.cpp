@@ -113,7 +113,6 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         keys += fmt::format("\n  {:<11} {}", input, help);
     }
     app.footer(keys + "\nWith --observe no commands are given; w, z and marks are of an --instructor.");
-    app.set_version_flag("--version", ETI_VERSION);
     const auto view_option = app.add_option("--view", view, of_views).capture_default_str().one_of(names);
     const auto observe =
         app.add_flag("--observe", options.observe,
