@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "client/hands/picture_plane.hpp"
+#include "common/math/axes.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::hands {
@@ -27,18 +28,6 @@ const std::array keys{
     HandKey{U'y', "y", "roll to the right", 0.0f, {0.0f, 0.0f, turning}},
 };
 
-// The tool's +x stays at the patient's left, so that the handle is in the median plane on the anterior
-// side.
-Quatf pointing(const Vec3f& direction) {
-    const Vec3f z = direction.normalized();
-    const Vec3f x = (Vec3f::UnitX() - z * z.x()).normalized();
-    Mat3f axes;
-    axes.col(0) = x;
-    axes.col(1) = z.cross(x);
-    axes.col(2) = z;
-    return Quatf(axes);
-}
-
 }  // namespace
 
 std::span<const HandKey> hand_keys() {
@@ -55,7 +44,7 @@ RigidTransform hand_start(Tool tool, const Landmarks& now, const Laryngoscope& s
     const bool blade = tool == Tool::laryngoscope;
     // The blade is inserted steeply, past the upper gum; the tube tip halfway towards the throat.
     const Vec3f direction = blade ? Vec3f(0.0f, 1.0f, -0.15f) : Vec3f(0.0f, 1.0f, -1.0f);
-    const Quatf rotation = pointing(direction);
+    const Quatf rotation(tool_axes(direction));
     const Vec3f aside(blade ? -9e-3f : -16e-3f, 0.0f, 0.0f);
     const Vec3f back = -before_the_mouth * (rotation * Vec3f::UnitZ());
     const Vec3f tip = mouth + aside + back + (blade ? Vec3f(0.0f, 0.0f, 4e-3f) : Vec3f(0.0f, -0.02f, 0.02f));

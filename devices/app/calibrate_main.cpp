@@ -48,10 +48,7 @@ RigidTransform single(const Eigen::Isometry3d& pose) {
 }
 
 Eigen::Isometry3d twice(const RigidTransform& pose) {
-    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-    out.linear() = Eigen::Quaterniond(pose.rotation.cast<double>()).normalized().toRotationMatrix();
-    out.translation() = pose.translation.cast<double>();
-    return out;
+    return Eigen::Translation3d(pose.translation.cast<double>()) * pose.rotation.cast<double>().normalized();
 }
 
 /// Orientation of the tool on a device's moving part, as the printed parts hold it: the handle along a stylus
