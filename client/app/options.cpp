@@ -125,7 +125,6 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     list("\nWith --hands:", 11, hand_controls_help());
     list("\nHand controllers, with --view hmd:", 11, hands_help());
     app.footer(keys + "\nWith --observe no commands are given; w, z and marks are of an --instructor.");
-    app.set_version_flag("--version", ETI_VERSION);
     const auto view_option = app.add_option("--view", view, of_views).capture_default_str().one_of(names);
     const auto observe =
         app.add_flag("--observe", options.observe,

@@ -5,24 +5,13 @@
 #include <algorithm>
 
 #include "client/hands/picture_plane.hpp"
+#include "common/math/axes.hpp"
 
 namespace eti::hands {
 namespace {
 
 constexpr float in_the_mouth = 5e-3f;      // [m], of tube beyond the lips
 constexpr float before_the_mouth = 0.03f;  // [m]
-
-// The tool's +x stays at the patient's left, so that the handle is in the median plane on the anterior
-// side.
-Quatf pointing(const Vec3f& direction) {
-    const Vec3f z = direction.normalized();
-    const Vec3f x = (Vec3f::UnitX() - z * z.x()).normalized();
-    Mat3f axes;
-    axes.col(0) = x;
-    axes.col(1) = z.cross(x);
-    axes.col(2) = z;
-    return Quatf(axes);
-}
 
 const HandKey* find_hand_key(char32_t key) {
     const auto found = std::ranges::find(hand_keys(), key, &HandKey::key);
@@ -40,7 +29,7 @@ RigidTransform hand_start(Tool tool, const Landmarks& now, const Laryngoscope& s
     const bool blade = tool == Tool::laryngoscope;
     // The blade is inserted steeply, past the upper gum; the tube tip halfway towards the throat.
     const Vec3f direction = blade ? Vec3f(0.0f, 1.0f, -0.15f) : Vec3f(0.0f, 1.0f, -1.0f);
-    const Quatf rotation = pointing(direction);
+    const Quatf rotation(tool_axes(direction));
     const Vec3f aside(blade ? -9e-3f : -16e-3f, 0.0f, 0.0f);
     const Vec3f back = -before_the_mouth * (rotation * Vec3f::UnitZ());
     const Vec3f tip = mouth + aside + back + (blade ? Vec3f(0.0f, 0.0f, 4e-3f) : Vec3f(0.0f, -0.02f, 0.02f));

@@ -54,10 +54,7 @@ inline const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
 }
 
 [[nodiscard]] inline Eigen::Matrix4f matrix_of(const RigidTransform& pose) {
-    Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
-    matrix.block<3, 3>(0, 0) = pose.rotation.toRotationMatrix();
-    matrix.block<3, 1>(0, 3) = pose.translation;
-    return matrix;
+    return (Eigen::Translation3f(pose.translation) * pose.rotation).matrix();
 }
 
 /// Sets the uniforms of every mesh vertex shader; the program must be in use.

@@ -158,7 +158,6 @@ int report(const std::vector<std::filesystem::path>& files, const std::filesyste
 
 int main(int argc, char** argv) {
     CommandLine app("Looks at recorded sessions (*.eti.h5).", "eti-review");
-    app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     app.fallthrough();
     bool json = false;

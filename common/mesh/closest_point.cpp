@@ -2,45 +2,43 @@
 // Copyright the NeoETI authors
 #include "common/mesh/closest_point.hpp"
 
-#include <algorithm>
-
 namespace eti {
 
-Vec3f closest_point(const Vec3f& point, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+ClosestPoint closest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     const Vec3f ab = b - a;
     const Vec3f ac = c - a;
-    const Vec3f ap = point - a;
+    const Vec3f ap = p - a;
     const float d1 = ab.dot(ap);
     const float d2 = ac.dot(ap);
     if (d1 <= 0.0f && d2 <= 0.0f) {
-        return a;
+        return {a, Feature::vertex, 0};
     }
-    const Vec3f bp = point - b;
+    const Vec3f bp = p - b;
     const float d3 = ab.dot(bp);
     const float d4 = ac.dot(bp);
     if (d3 >= 0.0f && d4 <= d3) {
-        return b;
+        return {b, Feature::vertex, 1};
     }
     const float area_c = d1 * d4 - d3 * d2;
     if (area_c <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) {
-        return a + d1 / (d1 - d3) * ab;
+        return {a + d1 / (d1 - d3) * ab, Feature::edge, 0};
     }
-    const Vec3f cp = point - c;
+    const Vec3f cp = p - c;
     const float d5 = ab.dot(cp);
     const float d6 = ac.dot(cp);
     if (d6 >= 0.0f && d5 <= d6) {
-        return c;
+        return {c, Feature::vertex, 2};
     }
     const float area_b = d5 * d2 - d1 * d6;
     if (area_b <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) {
-        return a + d2 / (d2 - d6) * ac;
+        return {a + d2 / (d2 - d6) * ac, Feature::edge, 2};
     }
     const float area_a = d3 * d6 - d5 * d4;
     if (area_a <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) {
-        return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+        return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), Feature::edge, 1};
     }
-    const float total = area_a + area_b + area_c;
-    return a + (area_b * ab + area_c * ac) / total;
+    const float scale = 1.0f / (area_a + area_b + area_c);
+    return {a + ab * (area_b * scale) + ac * (area_c * scale), Feature::face, 0, {area_a, area_b, area_c}};
 }
 
 std::array<float, 2> closest_on_segments(const Vec3f& p0, const Vec3f& p1, const Vec3f& q0, const Vec3f& q1) {

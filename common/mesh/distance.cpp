@@ -52,9 +52,14 @@ class Spread {
 
     void offer(std::size_t node, const Vec3f& position, std::uint32_t triangle) {
         const Triangle& t = mesh_.triangles[triangle];
-        const float distance = (position - closest_point(position, mesh_.vertices[t[0]], mesh_.vertices[t[1]],
-                                                         mesh_.vertices[t[2]]))
-                                   .norm();
+        const Vec3f &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
+        ClosestPoint closest = closest_on_triangle(position, a, b, c);
+        if (closest.feature == Feature::face) {
+            // One division instead of a scale: patients and their posed shells keep these bits.
+            const auto& [of_a, of_b, of_c] = closest.areas;
+            closest.point = a + (of_b * (b - a) + of_c * (c - a)) / (of_a + of_b + of_c);
+        }
+        const float distance = (position - closest.point).norm();
         if (distance < grid_.value[node]) {
             grid_.value[node] = distance;
             closest_[node] = triangle;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/math/axes.hpp"
 #include "common/operator/skill.hpp"
 
 namespace eti {
@@ -51,23 +52,6 @@ float size_of(const Observation& observation, float reference) {
     // 1.
     return static_cast<float>(
         std::cbrt(std::round(1e3 * weight) / std::round(1e3 * static_cast<double>(reference))));
-}
-
-Mat3f axes_from(const Vec3f& direction) {
-    // +x points to the patient's left as far as the axis allows. As in a hand, the handle then points
-    // anterior where the tool points inferior, and inferior where it points posterior.
-    const Vec3f left(1.0f, 0.0f, 0.0f);
-    const Vec3f z = direction.squaredNorm() > 1e-12f ? Vec3f(direction.normalized()) : Vec3f(Vec3f::UnitY());
-    Vec3f x = left - z * z.dot(left);
-    if (x.squaredNorm() < 1e-6f) {
-        x = z.unitOrthogonal();
-    }
-    x.normalize();
-    Mat3f axes;
-    axes.col(0) = x;
-    axes.col(1) = z.cross(x);
-    axes.col(2) = z;
-    return axes;
 }
 
 std::vector<Track> tracks_of(const std::vector<OperatorScript>& attempts, Tool tool) {
@@ -138,7 +122,7 @@ RigidTransform TrackPlayer::target_of(const Stage& stage, const Observation& obs
         // its end is half the arc's angle. A point farther back than the tool's length counts as its origin.
         const float half_chord = std::min(line.norm(), tip_.translation.norm()) / 2.0f;
         const float bend = stage.axis_to_tip ? std::asin(std::min(1.0f, half_chord * curvature_)) : 0.0f;
-        const Quatf pointing(Quatf(axes_from(line)) * Quatf(Eigen::AngleAxisf(-bend, Vec3f::UnitX())));
+        const Quatf pointing(Quatf(tool_axes(line)) * Quatf(Eigen::AngleAxisf(-bend, Vec3f::UnitX())));
         pose = RigidTransform{pointing.normalized(), tip} * tip_.inverse();
     }
     // Turns about the tool's own axes: about +x the tip moves to -y, so raising it is a negative turn.

@@ -145,7 +145,9 @@ bool Option::empty() const {
 }
 
 CommandLine::CommandLine(const std::string& description, const std::string& name)
-    : app_(std::make_shared<CLI::App>(description, name)) {}
+    : app_(std::make_shared<CLI::App>(description, name)) {
+    app_->set_version_flag("--version", ETI_VERSION);
+}
 
 Option CommandLine::add_option(const std::string& name, std::string& value, const std::string& description) {
     return Option(app_->add_option(name, value, description));
@@ -185,10 +187,6 @@ Option CommandLine::add_number(const std::string& name, Value& value, const std:
 
 Option CommandLine::add_flag(const std::string& name, bool& value, const std::string& description) {
     return Option(app_->add_flag(name, value, description));
-}
-
-void CommandLine::set_version_flag(const std::string& name, const std::string& version) {
-    app_->set_version_flag(name, version);
 }
 
 CommandLine CommandLine::add_subcommand(const std::string& name, const std::string& description) {

@@ -102,7 +102,8 @@ class Option {
 /// that contradicts an earlier one, such as a duplicate name, throws std::runtime_error.
 class CommandLine {
   public:
-    /// Without a name, `--help` shows the name of the executable as it was started.
+    /// Declares `--help` and `--version`. Without a name, `--help` shows the name of the executable as it was
+    /// started.
     explicit CommandLine(const std::string& description, const std::string& name = {});
 
     /// Adds an option "--name", or a positional argument "NAME"; its value or values go into `value`.
@@ -127,9 +128,6 @@ class CommandLine {
 
     /// Adds a flag that sets `value`; "!--no-name" clears it.
     Option add_flag(const std::string& name, bool& value, const std::string& description);
-
-    /// Adds a flag that prints the version and ends the program.
-    void set_version_flag(const std::string& name, const std::string& version);
 
     /// Adds a subcommand, which inherits its parent's fallthrough().
     [[nodiscard]] CommandLine add_subcommand(const std::string& name, const std::string& description);

@@ -6,14 +6,10 @@
 
 #include "common/bus/command_line.hpp"
 #include "common/bus/discovery_server.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
-#include "common/process/stop_signal.hpp"
+#include "common/process/program.hpp"
 
 int main(int argc, char** argv) {
     using namespace eti;
-    set_up_log("eti-discovery");
-    catch_stop_signals();
     bus::Options options{.name = "eti-discovery"};
     int number = 0;
     std::string address;
@@ -21,26 +17,19 @@ int main(int argc, char** argv) {
     CommandLine app(
         "A discovery server: tells programs that name it with --discovery-server who else is there.",
         "eti-discovery");
-    app.set_version_flag("--version", ETI_VERSION);
     app.add_number("--number", number,
                    "Its place among the --discovery-server that programs are given; 1 is a backup", {0, 255})
         .capture_default_str();
     app.add_option("--address", address, "Address of this machine to listen on; without it, all");
     app.add_number("--port", port, "UDP port", {1}).capture_default_str();
     bus::add_domain(app, options);
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    try {
+    return run_program(app, argc, argv, [&] {
         const bus::DiscoveryServer server(options, number, address, port);
         spdlog::info("discovery server {} listens on {}:{}", number,
                      address.empty() ? "all addresses" : address, port);
         while (!stop_requested()) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         }
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
-    return 0;
+        return 0;
+    });
 }

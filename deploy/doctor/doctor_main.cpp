@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -9,9 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/command_line.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
-#include "common/process/stop_signal.hpp"
+#include "common/process/program.hpp"
 #include "deploy/doctor/graphics.hpp"
 #include "deploy/doctor/machine.hpp"
 #include "deploy/doctor/network.hpp"
@@ -111,7 +108,7 @@ int run(const Options& options) {
                                        {"remedy", one.remedy}});
         }
         out.update(json_of(report));
-        fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+        print_json(true, out);
     } else {
         fmt::print("{}\n", problems == 0   ? "All is well."
                            : problems == 1 ? "1 thing to mend."
@@ -125,26 +122,15 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
     using namespace eti;
-    set_up_log("eti-doctor");
-    catch_stop_signals();
     doctor::Options options;
     options.bus.name = "eti-doctor";
     CommandLine app(
         "Looks at this machine and at a session: what keeps it from running well, and what to do.",
         "eti-doctor");
-    app.set_version_flag("--version", ETI_VERSION);
     app.add_number("--duration", options.duration, "How long the session is listened to", {0.5, 3600.0, "s"})
         .capture_default_str();
     app.add_flag("--json", options.json, "Print everything as one JSON object");
     app.footer("Exit status: 0 all is well, 1 something needs mending, 2 wrong usage.");
     bus::add_options(app, options.bus);
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    try {
-        return doctor::run(options);
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    return run_program(app, argc, argv, [&] { return doctor::run(options); });
 }

@@ -5,6 +5,7 @@
 // kernels without netem. The caller sets up namespaces and addresses (deploy/lab/hosts.py).
 #include <fmt/format.h>
 #include <poll.h>
+#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -18,10 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/process/command_line.hpp"
-#include "common/process/escaped.hpp"
 #include "common/process/priority.hpp"
-#include "common/process/stop_signal.hpp"
+#include "common/process/program.hpp"
 #include "deploy/lab/medium.hpp"
 #include "deploy/lab/tap.hpp"
 
@@ -142,8 +141,8 @@ int main(int argc, char** argv) {
     eti::CommandLine app(
         "Joins network namespaces by a medium with delay and loss, until SIGTERM; then prints what passed, "
         "as JSON.\n"
-        "Between two hosts counts the worse value of the two. Says 'up' when every interface is there.");
-    app.set_version_flag("--version", ETI_VERSION);
+        "Between two hosts counts the worse value of the two. Says 'up' when every interface is there.",
+        "eti-lab-link");
     Numbers common;
     bool no_multicast = false;
     std::uint64_t seed = 1;
@@ -158,17 +157,13 @@ int main(int argc, char** argv) {
                    "NAME=NAMESPACE[,interface=eth0][,delay=MS][,jitter=MS][,loss=PCT][,rate=MBIT]; "
                    "NAMESPACE: /proc/PID/ns/net or /run/netns/NAME")
         .required();
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    eti::catch_stop_signals();
-    // Without this, the kernel would wake this thread up to 50 us late and schedule the hosts' programs
-    // first. The thread stands for hardware, which takes no time from programs.
-    ::prctl(PR_SET_TIMERSLACK, 1UL);
-    if (const std::string refusal = eti::set_real_time_priority(as_hardware); !refusal.empty()) {
-        fmt::print(stderr, "eti-lab-link: {}\n", refusal);
-    }
-    try {
+    return eti::run_program(app, argc, argv, [&] {
+        // Without this, the kernel would wake this thread up to 50 us late and schedule the hosts' programs
+        // first. The thread stands for hardware, which takes no time from programs.
+        ::prctl(PR_SET_TIMERSLACK, 1UL);
+        if (const std::string refusal = eti::set_real_time_priority(as_hardware); !refusal.empty()) {
+            spdlog::warn("{}", refusal);
+        }
         std::vector<Host> hosts;
         std::vector<Tap> taps;
         std::vector<Attachment> ports;
@@ -183,8 +178,5 @@ int main(int argc, char** argv) {
         run(medium, taps);
         fmt::print("{}\n", report(hosts, medium).dump());
         return 0;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "eti-lab-link: {}\n", eti::escaped_lines(error.what()));
-        return 1;
-    }
+    });
 }

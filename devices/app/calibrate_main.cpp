@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/math/units.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/stop_signal.hpp"
+#include "common/process/progress_bar.hpp"
 #include "common/scenario/data_file.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
@@ -50,10 +48,7 @@ RigidTransform single(const Eigen::Isometry3d& pose) {
 }
 
 Eigen::Isometry3d twice(const RigidTransform& pose) {
-    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-    out.linear() = Eigen::Quaterniond(pose.rotation.cast<double>()).normalized().toRotationMatrix();
-    out.translation() = pose.translation.cast<double>();
-    return out;
+    return Eigen::Translation3d(pose.translation.cast<double>()) * pose.rotation.cast<double>().normalized();
 }
 
 /// Orientation of the tool on a device's moving part, as the printed parts hold it: the handle along a stylus
@@ -86,23 +81,6 @@ void explain(Sampling& sampling) {
     const std::string fault = sampling.watch().fault();
     if (sampling.watch().health().lost && !fault.empty()) {
         spdlog::warn("the device is lost: {}", fault);
-    }
-}
-
-bool bar_wanted() {
-    return ::isatty(STDERR_FILENO) == 1;
-}
-
-void bar(double share, const std::string& text) {
-    if (bar_wanted()) {
-        constexpr int width = 30;
-        const int full = static_cast<int>(share * width);
-        std::cerr << "\r[" << std::string(static_cast<std::size_t>(full), '#')
-                  << std::string(static_cast<std::size_t>(width - full), ' ') << "] " << text << "  "
-                  << std::flush;
-        if (share >= 1.0) {
-            std::cerr << std::endl;
-        }
     }
 }
 
@@ -182,16 +160,12 @@ int conclude(const CalibrateOptions& options, Calibration out, const std::vector
     save_calibration(out, options.out);
     spdlog::info("{}: {} points, error {:.2f} mm, leave-one-out {:.2f} mm", options.out, out.points,
                  1e3 * out.error, 1e3 * out.left_out_error);
-    if (options.json) {
-        std::cout << ordered_json{{"file", options.out},
-                                  {"points", points},
-                                  {"error_mm", 1e3 * out.error},
-                                  {"left_out_error_mm", 1e3 * out.left_out_error},
-                                  {"handedness_open", fit.handedness_ambiguous},
-                                  {"advice", fit.advice}}
-                         .dump(2)
-                  << std::endl;
-    }
+    print_json(options.json, {{"file", options.out},
+                              {"points", points},
+                              {"error_mm", 1e3 * out.error},
+                              {"left_out_error_mm", 1e3 * out.left_out_error},
+                              {"handedness_open", fit.handedness_ambiguous},
+                              {"advice", fit.advice}});
     return 0;
 }
 
@@ -230,6 +204,7 @@ std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
     std::vector<Eigen::Isometry3d> poses;
     spdlog::info("rest the tip in a dimple and swing the handle to all sides for {:.0f} s", options.seconds);
     Reading reading;
+    ProgressBar bar;
     for (double left = options.seconds; left > 0.0; left -= 1e-3 * static_cast<double>(poll.count())) {
         if (stop_requested()) {
             throw Interrupted{};
@@ -239,9 +214,9 @@ std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
         if (sampling.newest(reading)) {
             poses.push_back(twice(reading.motion.pose));
         }
-        bar(1.0 - left / options.seconds, fmt::format("{} poses", poses.size()));
+        bar.draw(static_cast<float>(1.0 - left / options.seconds), fmt::format("{} poses", poses.size()));
     }
-    bar(1.0, fmt::format("{} poses", poses.size()));
+    bar.clear();
     explain(sampling);
     return poses;
 }
@@ -262,14 +237,10 @@ int pivot(const CalibrateOptions& options) {
     spdlog::info(
         "{}: the tip lies at ({:.1f}, {:.1f}, {:.1f}) mm in the sensor's frame, {:.2f} mm RMS over {} poses",
         options.out, mm.x(), mm.y(), mm.z(), 1e3 * fit.error, poses.size());
-    if (options.json) {
-        std::cout << ordered_json{{"file", options.out},
-                                  {"tip_mm", {mm.x(), mm.y(), mm.z()}},
-                                  {"error_mm", 1e3 * fit.error},
-                                  {"poses", poses.size()}}
-                         .dump(2)
-                  << std::endl;
-    }
+    print_json(options.json, {{"file", options.out},
+                              {"tip_mm", {mm.x(), mm.y(), mm.z()}},
+                              {"error_mm", 1e3 * fit.error},
+                              {"poses", poses.size()}});
     return 0;
 }
 
@@ -304,9 +275,7 @@ int simulate(const CalibrateOptions& options) {
             }
         }
     }
-    if (options.json) {
-        std::cout << rows.dump(2) << std::endl;
-    }
+    print_json(options.json, rows);
     return 0;
 }
 
@@ -354,11 +323,12 @@ int main(int argc, char** argv) {
         .one_of({"simulated", "scripted"});
     trial.add_option("--out", options.out, "File for that calibration").capture_default_str();
     trial.add_flag("--json", options.json, "Print the result as JSON");
-    return run_program(app, argc, argv, [&] {
+    const auto work = [&] {
         options.points =
             eti::find_data_file(options.points.empty() ? "board" : options.points, "calibration").string();
         return points.parsed() ? register_device(options)
                : turn.parsed() ? pivot(options)
                                : simulate(options);
-    });
+    };
+    return eti::run_program(app, argc, argv, work, device_signals);
 }

@@ -10,8 +10,6 @@
 #include <thread>
 
 #include "common/bus/codec/convert.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/stop_signal.hpp"
 #include "common/scenario/data_file.hpp"
 #include "common/scenario/setting.hpp"
 #include "devices/app/command_link.hpp"
@@ -176,15 +174,13 @@ constexpr std::array<std::string_view, 5> plain_commands{"start", "stop", "reset
 int run(const ProgramOptions& options, const Once& once, const std::string& remark, bool list) {
     if (list) {
         const nlohmann::ordered_json session = list_once(options);
-        std::cout << (options.json
-                          ? session.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"
-                          : session_text(session))
-                  << std::flush;
+        print_json(options.json, session);
+        std::cout << (options.json ? "" : session_text(session));
         return 0;
     }
     if (!remark.empty()) {
         const nlohmann::ordered_json noted = note_once(options, remark);
-        options.json ? std::cout << noted.dump(2) << std::endl : std::cout;
+        print_json(options.json, noted);
         return noted["ended"] == "noted" ? 0 : 1;
     }
     if (options.device.empty() && once.typed.empty() && once.preset.empty() && once.command.empty() &&
@@ -218,9 +214,7 @@ int run(const ProgramOptions& options, const Once& once, const std::string& rema
                      result["commands"].get<int>(), result["accepted"].get<int>(),
                      result["refused"].get<int>());
     }
-    if (options.json) {
-        std::cout << result.dump(2) << std::endl;
-    }
+    print_json(options.json, result);
     return well ? 0 : 1;
 }
 
@@ -284,5 +278,6 @@ int main(int argc, char** argv) {
                        : "a remark has 1 to 200 letters";
         });
     add_bus_options(app, options);
-    return run_program(app, argc, argv, [&] { return run(options, once, remark, list); });
+    return eti::run_program(
+        app, argc, argv, [&] { return run(options, once, remark, list); }, device_signals);
 }

@@ -3,15 +3,12 @@
 #include <spdlog/spdlog.h>
 
 #include <csignal>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <thread>
 
-#include "common/process/command_line.hpp"
 #include "common/process/priority.hpp"
-#include "common/process/service_notify.hpp"
 #include "common/process/terminal.hpp"
 #include "devices/app/program.hpp"
 #include "devices/haptics/haptic_loop.hpp"
@@ -25,8 +22,7 @@ constexpr std::chrono::milliseconds poll_interval{5};
 
 volatile std::sig_atomic_t panic_signals = 0;
 
-nlohmann::ordered_json statistics(const Program& program, const SceneLink& link, const HapticLoop& loop,
-                                  const SensorMonitor& watch) {
+nlohmann::ordered_json statistics(const Program& program, const HapticLoop& loop) {
     const HapticCycle& cycle = loop.cycle();
     const HapticRecord& record = cycle.record();
     const CycleStatistics& intervals = record.intervals;
@@ -36,10 +32,6 @@ nlohmann::ordered_json statistics(const Program& program, const SceneLink& link,
                    : 0.0;
     };
     nlohmann::ordered_json out;
-    out["device"] = program.options().device;
-    out["session"] = program.options().bus.session;
-    out["ended"] = program.ended();
-    out["duration_s"] = program.seconds();
     out["cycles"] = intervals.count() + 1;
     out["cycle_ms"] = {{"p50", 1e3 * intervals.percentile(0.5)},
                        {"p99", 1e3 * intervals.percentile(0.99)},
@@ -66,13 +58,8 @@ nlohmann::ordered_json statistics(const Program& program, const SceneLink& link,
     out["stale_share"] = share(record.stale_cycles);
     out["not_finite_cycles"] = cycle.renderer().not_finite();
     out["poses_published"] = loop.published();
-    out["states_received"] = link.received();
-    out["messages_refused"] = link.refused();
-    out["outages"] = link.outages();
     out["round_trip_ms"] =
         program.round_trip_ms() ? nlohmann::ordered_json(*program.round_trip_ms()) : nullptr;
-    out["device_losses"] = watch.health().losses;
-    out["poses_left_out"] = watch.health().jumps + watch.health().not_finite;
     return out;
 }
 
@@ -102,11 +89,6 @@ void log(const nlohmann::ordered_json& s) {
             "the server on a faster machine, or bridge longer gaps with --silence-ms",
             100.0 * s["stale_share"].get<double>());
     }
-    if (s["messages_refused"].get<std::uint64_t>() > 0) {
-        spdlog::warn(
-            "{} messages were refused: not finite or not of this version; do server and device match?",
-            s["messages_refused"].get<std::uint64_t>());
-    }
 }
 
 /// Emergency stop: SIGUSR1, any terminal key but 'r', or a closed terminal remove the force; 'r' restores
@@ -130,59 +112,44 @@ int run(const ProgramOptions& options, RenderSettings settings) {
     Program program(options, settings.tool);
     const std::string bus_refusal = real_time->refusal();
     real_time.reset();
-    const std::unique_ptr<Sensor> sensor = program.open_sensor();
-    if (!sensor) {
-        spdlog::info("ended ({}) before the server was heard", program.ended());
-        if (options.json) {
-            std::cout << nlohmann::ordered_json{{"device", options.device},
-                                                {"session", options.bus.session},
-                                                {"ended", program.ended()},
-                                                {"cycles", 0}}
-                             .dump(2)
-                      << std::endl;
+    program.run([&](SensorMonitor& watch) {
+        const DeviceCapabilities capabilities = watch.capabilities();
+        settings.coupling.force_limit = std::min(settings.coupling.force_limit, capabilities.force);
+        settings.coupling.torque_limit = std::min(settings.coupling.torque_limit, capabilities.torque);
+        settings.torque = capabilities.torque > 0.0f;
+        settings.gimbal = program.gimbal();
+        if (capabilities.force <= 0.0f) {
+            spdlog::warn("device '{}' has no motors: its hand feels nothing", options.device);
         }
-        return 0;
-    }
-    SensorMonitor watch(*sensor);
-    const DeviceCapabilities capabilities = watch.capabilities();
-    settings.coupling.force_limit = std::min(settings.coupling.force_limit, capabilities.force);
-    settings.coupling.torque_limit = std::min(settings.coupling.torque_limit, capabilities.torque);
-    settings.torque = capabilities.torque > 0.0f;
-    settings.gimbal = program.gimbal();
-    if (capabilities.force <= 0.0f) {
-        spdlog::warn("device '{}' has no motors: its hand feels nothing", options.device);
-    }
-    Terminal terminal;
-    HapticLoop loop(program.node(), watch, program.link().newest(), settings);
-    if (terminal.there()) {
-        spdlog::info("any key lets go of the device at once (panic key); r gives forces back");
-    }
-    if (const std::string& refusal = loop.priority_refusal().empty() ? bus_refusal : loop.priority_refusal();
-        !refusal.empty()) {
-        spdlog::warn("{}", refusal);
-    }
-    ServiceNotify service;
-    std::uint64_t seen_cycles = 0;
-    while (!program.should_end()) {
-        std::this_thread::sleep_for(poll_interval);
-        // A device that runs the loop itself stops it when unplugged, which is not a fault of this process.
-        if (const std::uint64_t now = loop.cycles(); now != seen_cycles || loop.on_servo()) {
-            seen_cycles = now;
-            service.alive();
+        Terminal terminal;
+        HapticLoop loop(program.node(), watch, program.link().newest(), settings);
+        if (terminal.there()) {
+            spdlog::info("any key lets go of the device at once (panic key); r gives forces back");
         }
-        watch.poll_events();
-        program.report(watch);
-        program.watch_latency();
-        handle_emergency_stop(terminal, loop);
-    }
-    service.ending();
-    loop.stop();
-    spdlog::info("ended: {}", program.ended());
-    const auto result = statistics(program, program.link(), loop, watch);
-    log(result);
-    if (options.json) {
-        std::cout << result.dump(2) << std::endl;
-    }
+        if (const std::string& refusal =
+                loop.priority_refusal().empty() ? bus_refusal : loop.priority_refusal();
+            !refusal.empty()) {
+            spdlog::warn("{}", refusal);
+        }
+        std::uint64_t seen_cycles = 0;
+        while (!program.should_end()) {
+            std::this_thread::sleep_for(poll_interval);
+            // A device that runs the loop itself stops it when unplugged, which is not a fault of this
+            // process.
+            if (const std::uint64_t now = loop.cycles(); now != seen_cycles || loop.on_servo()) {
+                seen_cycles = now;
+                program.alive();
+            }
+            watch.poll_events();
+            program.report(watch);
+            program.watch_latency();
+            handle_emergency_stop(terminal, loop);
+        }
+        loop.stop();
+        const auto result = statistics(program, loop);
+        log(result);
+        return result;
+    });
     return 0;
 }
 
@@ -220,11 +187,12 @@ int main(int argc, char** argv) {
            "scene for as long",
            {20.0f, 1000.0f, "ms"})
         .capture_default_str();
-    return run_program(app, argc, argv, [&] {
+    const auto work = [&] {
         settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;
         settings.safety.silence_limit = 1e-3f * silence_ms;
         settings.tool = tool == "tube" ? eti::Tool::tube : eti::Tool::laryngoscope;
         std::signal(SIGUSR1, [](int) { panic_signals = panic_signals + 1; });
         return run(options, settings);
-    });
+    };
+    return eti::run_program(app, argc, argv, work, device_signals);
 }

@@ -3,14 +3,11 @@
 #include <spdlog/spdlog.h>
 
 #include <functional>
-#include <iostream>
 #include <list>
 #include <nlohmann/json.hpp>
 
 #include "common/mesh/check.hpp"
-#include "common/process/command_line.hpp"
 #include "common/process/files/folder.hpp"
-#include "common/process/stop_signal.hpp"
 #include "common/scenario/data_file.hpp"
 #include "devices/app/program.hpp"
 #include "devices/calibration/point_file.hpp"
@@ -42,7 +39,7 @@ int main(int argc, char** argv) {
     app.add_number("--tube-inner-diameter-mm", tube_inner_mm, "Of the tube", {2.0f, 6.0f, "mm"})
         .capture_default_str();
     app.add_flag("--json", json, "Print one JSON array");
-    return run_program(app, argc, argv, [&] {
+    const auto work = [&] {
         for (const auto& [setting, mm] : typed) {
             *setting = 1e-3f * mm;
         }
@@ -84,9 +81,8 @@ int main(int argc, char** argv) {
                             {"triangles", report.triangles},
                             {"volume_cm3", 1e6 * report.volume}});
         }
-        if (json) {
-            std::cout << rows.dump(2) << std::endl;
-        }
+        print_json(json, rows);
         return 0;
-    });
+    };
+    return run_program(app, argc, argv, work, device_signals);
 }

@@ -8,9 +8,6 @@
 #include <thread>
 
 #include "common/bus/command_line.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
-#include "common/process/stop_signal.hpp"
 #include "common/scenario/data_file.hpp"
 #include "devices/calibration/calibrated_sensor.hpp"
 
@@ -65,25 +62,6 @@ void add_bus_options(CommandLine& app, ProgramOptions& options) {
     app.add_number("--duration", options.duration, "End after this time; else when the session ends",
                    {0.001, 1e7, "s"});
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");
-}
-
-void set_up_process(const std::string& name) {
-    set_up_log(name);
-    catch_stop_signals({.holds_device = true});
-}
-
-int run_program(CommandLine& app, int argc, char** argv, const std::function<int()>& work) {
-    set_up_process(app.name());
-    app.set_version_flag("--version", ETI_VERSION);
-    if (const auto code = app.parse(argc, argv)) {
-        return *code;
-    }
-    try {
-        return work();
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
 }
 
 Program::Program(const ProgramOptions& options, Tool tool)
@@ -154,6 +132,32 @@ std::unique_ptr<Sensor> Program::open_sensor() {
     return sensor;
 }
 
+void Program::run(const std::function<nlohmann::ordered_json(SensorMonitor&)>& work) {
+    const std::unique_ptr<Sensor> sensor = open_sensor();
+    nlohmann::ordered_json own = {{"cycles", 0}};
+    if (sensor) {
+        SensorMonitor watch(*sensor);
+        own = work(watch);
+        own["device_losses"] = watch.health().losses;
+        own["poses_left_out"] = watch.health().jumps + watch.health().not_finite;
+    }
+    spdlog::info("ended: {}; {} poses published", ended_, own.value("poses_published", 0));
+    if (link_.refused() > 0) {
+        spdlog::warn(
+            "{} messages were refused: not finite or not of this version; do server and device match?",
+            link_.refused());
+    }
+    nlohmann::ordered_json all = {{"device", options_.device},
+                                  {"session", options_.bus.session},
+                                  {"ended", ended_},
+                                  {"duration_s", seconds()},
+                                  {"states_received", link_.received()},
+                                  {"messages_refused", link_.refused()},
+                                  {"outages", link_.outages()}};
+    all.update(own);
+    print_json(options_.json, all);
+}
+
 Vec3f Program::gimbal() const {
     return calibration_ ? calibration_->tool.inverse().translation : Vec3f(Vec3f::Zero());
 }
@@ -220,6 +224,9 @@ bool Program::should_end() {
             ended_ = "session finished";
         } else if (options_.duration > 0.0 && seconds() >= options_.duration) {
             ended_ = "duration";
+        }
+        if (!ended_.empty()) {
+            service_.ending();
         }
     }
     return !ended_.empty();

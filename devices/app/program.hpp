@@ -5,12 +5,14 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
-#include "common/process/command_line.hpp"
+#include "common/process/program.hpp"
+#include "common/process/service_notify.hpp"
 #include "devices/calibration/calibration_file.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/drivers.hpp"
@@ -40,22 +42,19 @@ void add_device_options(CommandLine& app, ProgramOptions& options, DeviceRole ro
 /// Options of the bus and of the program's duration.
 void add_bus_options(CommandLine& app, ProgramOptions& options);
 
-/// Sets up logging to standard error and an orderly exit on Ctrl-C, SIGTERM, SIGQUIT and a closed terminal.
-void set_up_process(const std::string& name);
+/// A closed terminal or output pipe ends no device program at once.
+inline constexpr StopSignals device_signals{.holds_device = true};
 
-/// Body of a program's main after its options are declared: parses, runs `work`, and logs the text of an
-/// exception. Returns the exit status.
-[[nodiscard]] int run_program(CommandLine& app, int argc, char** argv, const std::function<int()>& work);
-
-/// Common parts of a device program: bus node, device, and reason to end.
+/// Common parts of a device program: bus node, device, service, and reason to end.
 class Program {
   public:
     /// Throws DeviceError, InputError or bus::BusError.
     Program(const ProgramOptions& options, Tool tool);
 
-    /// Opens the device; with a script, first waits until the scene has arrived. Null if the program was
-    /// asked to end before that.
-    [[nodiscard]] std::unique_ptr<Sensor> open_sensor();
+    /// Opens the device, runs `work`, which returns its statistics when should_end(), and prints them with
+    /// those of bus and device. With a script, first waits until the scene has arrived; does not run `work`
+    /// if the program is asked to end before that.
+    void run(const std::function<nlohmann::ordered_json(SensorMonitor&)>& work);
 
     /// Position of the device's attachment, tool frame [m]; the origin without a calibration.
     [[nodiscard]] Vec3f gimbal() const;
@@ -63,19 +62,22 @@ class Program {
     /// Logs changes of the device's health since the last call.
     void report(const SensorMonitor& watch);
 
-    /// True when there is a reason to end, which ended() returns.
+    /// True when there is a reason to end, which the service manager then knows.
     [[nodiscard]] bool should_end();
-    [[nodiscard]] const std::string& ended() const { return ended_; }
-    [[nodiscard]] double seconds() const;
+    /// Reports progress to the service manager.
+    void alive() { service_.alive(); }
     /// Measures the round trip to the server once a second, and warns where it is too long for a hand.
     void watch_latency();
     /// [ms]; nullopt before the first answer.
     [[nodiscard]] std::optional<double> round_trip_ms() const { return round_trip_ms_; }
     [[nodiscard]] bus::Node& node() { return node_; }
     [[nodiscard]] SceneLink& link() { return link_; }
-    [[nodiscard]] const ProgramOptions& options() const { return options_; }
 
   private:
+    /// Null if the program was asked to end before the scene has arrived.
+    [[nodiscard]] std::unique_ptr<Sensor> open_sensor();
+    [[nodiscard]] double seconds() const;
+
     ProgramOptions options_;
     Tool tool_;
     const Driver& driver_;
@@ -89,6 +91,7 @@ class Program {
     bus::EchoRequester echo_;
     std::chrono::steady_clock::time_point asked_{}, warned_{};
     std::optional<double> round_trip_ms_;
+    ServiceNotify service_;
     std::string ended_;
 };
 

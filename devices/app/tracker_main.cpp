@@ -2,12 +2,8 @@
 // Copyright the NeoETI authors
 #include <spdlog/spdlog.h>
 
-#include <iostream>
-#include <nlohmann/json.hpp>
-
 #include "common/bus/codec/convert.hpp"
 #include "common/process/priority.hpp"
-#include "common/process/service_notify.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
 #include "devices/haptics/haptic_loop.hpp"
@@ -21,8 +17,8 @@ constexpr std::uint64_t cycles_per_report = 48;  // five times a second
 /// Publishes the tube's pose at 240 Hz until there is a reason to end.
 class TubeTracker {
   public:
-    TubeTracker(Program& program, Sensor& sensor)
-        : program_(program), watch_(sensor), topic_(program.node(), bus::topics::tube_pose) {}
+    TubeTracker(Program& program, SensorMonitor& watch)
+        : program_(program), watch_(watch), topic_(program.node(), bus::topics::tube_pose) {}
 
     void run() {
         std::int64_t last = monotonic_ns(), next = last;
@@ -37,30 +33,20 @@ class TubeTracker {
             if (++cycles_ % cycles_per_report == 0) {
                 program_.report(watch_);
             }
-            service_.alive();
+            program_.alive();
             intervals_.record(now - last);
             last = now;
             next += period_ns * (1 + (now - next) / period_ns);
         }
-        service_.ending();
     }
 
     [[nodiscard]] nlohmann::ordered_json statistics() const {
-        return {{"device", program_.options().device},
-                {"session", program_.options().bus.session},
-                {"ended", program_.ended()},
-                {"duration_s", program_.seconds()},
-                {"cycles", intervals_.count()},
+        return {{"cycles", intervals_.count()},
                 {"cycle_ms",
                  {{"p50", 1e3 * intervals_.percentile(0.5)},
                   {"p99", 1e3 * intervals_.percentile(0.99)},
                   {"max", 1e3 * intervals_.longest()}}},
-                {"poses_published", published_},
-                {"states_received", program_.link().received()},
-                {"messages_refused", program_.link().refused()},
-                {"outages", program_.link().outages()},
-                {"device_losses", watch_.health().losses},
-                {"poses_left_out", watch_.health().jumps + watch_.health().not_finite}};
+                {"poses_published", published_}};
     }
 
   private:
@@ -96,13 +82,12 @@ class TubeTracker {
     }
 
     Program& program_;
-    SensorMonitor watch_;
+    SensorMonitor& watch_;
     bus::Publisher<msg::ToolPose> topic_;
     msg::ToolPose message_;
     SimulationTime time_;
     CycleStatistics intervals_;
     ServoReading servo_{watch_};
-    ServiceNotify service_;
     std::uint64_t published_ = 0;
     std::uint64_t cycles_ = 0;
 };
@@ -115,20 +100,11 @@ int run(const ProgramOptions& options) {
         spdlog::warn("{}", real_time.refusal());
     }
     Program program(options, Tool::tube);
-    const std::unique_ptr<Sensor> sensor = program.open_sensor();
-    nlohmann::ordered_json result = {{"device", options.device},
-                                     {"session", options.bus.session},
-                                     {"ended", program.ended()},
-                                     {"cycles", 0}};
-    if (sensor) {
-        TubeTracker tracker(program, *sensor);
+    program.run([&](SensorMonitor& watch) {
+        TubeTracker tracker(program, watch);
         tracker.run();
-        result = tracker.statistics();
-    }
-    spdlog::info("ended: {}; {} poses published", program.ended(), result.value("poses_published", 0));
-    if (options.json) {
-        std::cout << result.dump(2) << std::endl;
-    }
+        return tracker.statistics();
+    });
     return 0;
 }
 
@@ -142,5 +118,6 @@ int main(int argc, char** argv) {
     eti::CommandLine app("The tube's tracker: tells the server at 240 Hz where the tube is held.",
                          "eti-tracker");
     add_options(app, options);
-    return run_program(app, argc, argv, [&] { return run(options); });
+    return eti::run_program(
+        app, argc, argv, [&] { return run(options); }, device_signals);
 }

@@ -63,10 +63,7 @@ std::vector<Eigen::Isometry3d> load_poses(const std::filesystem::path& file) {
                 fmt::format("{}:{}: found '{}', expected x y z [mm] and a unit quaternion w x y z",
                             file.string(), number, line.substr(0, 60)));
         }
-        Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-        pose.linear() = turn.normalized().toRotationMatrix();
-        pose.translation() = 1e-3 * Eigen::Vector3d(x, y, z);
-        out.push_back(pose);
+        out.push_back(Eigen::Translation3d(1e-3 * Eigen::Vector3d(x, y, z)) * turn.normalized());
     }
     return out;
 }

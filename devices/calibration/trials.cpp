@@ -29,10 +29,8 @@ Vector3d noise(Random& random, double rms) {
 
 Isometry3d any_pose(Random& random) {
     Eigen::Quaterniond turn(normal(random), normal(random), normal(random), normal(random));
-    Isometry3d pose = Isometry3d::Identity();
-    pose.linear() = turn.normalized().toRotationMatrix();
-    pose.translation() = 0.3 * Vector3d(normal(random), normal(random), normal(random));
-    return pose;
+    return Eigen::Translation3d(0.3 * Vector3d(normal(random), normal(random), normal(random))) *
+           turn.normalized();
 }
 
 double quantile(std::span<const double> sorted, double q) {

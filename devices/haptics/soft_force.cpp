@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/mesh/closest_point.hpp"
+
 namespace eti::devices {
 
 const std::array<float, tissue_count>& tissue_stiffness() {
@@ -22,12 +24,8 @@ const std::array<float, tissue_count>& tissue_stiffness() {
 bool touches(const TissuePoint& point, std::span<const Capsule> blade, const RigidTransform& pose) {
     const Vec3f local = pose.rotation.conjugate() * (point.position - pose.translation);
     return std::ranges::any_of(blade, [&](const Capsule& capsule) {
-        const Vec3f axis = capsule.b - capsule.a;
-        const float length = axis.squaredNorm();
-        const float along =
-            length > 0.0f ? std::clamp((local - capsule.a).dot(axis) / length, 0.0f, 1.0f) : 0.0f;
         const float reach = capsule.radius + point.radius;
-        return (local - capsule.a - along * axis).squaredNorm() <= reach * reach;
+        return offset_from_segment(capsule.a, capsule.b, local).squaredNorm() <= reach * reach;
     });
 }
 

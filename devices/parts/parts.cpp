@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/mesh/closest_point.hpp"
 #include "common/mesh/distance_grid.hpp"
 #include "common/mesh/isosurface.hpp"
 #include "common/mesh/simplify.hpp"
@@ -23,9 +24,8 @@ namespace {
 // subtractions are bounds, which suffices for their zero set.
 
 float capsule(const Vec3f& p, const Vec3f& a, const Vec3f& b, float radius_a, float radius_b) {
-    const Vec3f axis = b - a;
-    const float t = std::clamp((p - a).dot(axis) / axis.squaredNorm(), 0.0f, 1.0f);
-    return (p - a - t * axis).norm() - (radius_a + t * (radius_b - radius_a));
+    const float t = closest_on_segment(a, b, p);
+    return (p - a - t * (b - a)).norm() - (radius_a + t * (radius_b - radius_a));
 }
 
 /// With flat ends.

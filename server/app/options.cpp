@@ -22,7 +22,6 @@ constexpr std::uint64_t max_steps = 180 * static_cast<std::uint64_t>(longest_tim
 std::optional<int> parse(int argc, char** argv, Options& options) {
     CommandLine app("The physics server: simulates the patient, measures the attempt, publishes the scene.",
                     "eti-server");
-    app.set_version_flag("--version", ETI_VERSION);
     app.add_option(
            "--scenario", options.scenarios,
            "Scenario by name or path; given several times: one session after another, the next one when "

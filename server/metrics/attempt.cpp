@@ -24,7 +24,7 @@ double in_degrees(double radians) {
 
 TissueForces tissue_forces(const scene::Snapshot& snapshot) {
     TissueForces forces;
-    for (const scene::RigidContact& contact : snapshot.shell_contacts) {
+    for (const rigid::Contact& contact : snapshot.shell_contacts) {
         const double force = static_cast<double>(contact.force);
         forces.gum += contact.tissue == Tissue::upper_gum ? force : 0.0;
         forces.epiglottis += contact.tissue == Tissue::epiglottis ? force : 0.0;

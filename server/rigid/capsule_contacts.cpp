@@ -163,43 +163,6 @@ MeshTopology::MeshTopology(std::span<const Triangle> triangles, std::size_t vert
     }
 }
 
-ClosestPoint closest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-    const Vec3f ab = b - a;
-    const Vec3f ac = c - a;
-    const Vec3f ap = p - a;
-    const float d1 = ab.dot(ap);
-    const float d2 = ac.dot(ap);
-    if (d1 <= 0.0f && d2 <= 0.0f) {
-        return {a, Feature::vertex, 0};
-    }
-    const Vec3f bp = p - b;
-    const float d3 = ab.dot(bp);
-    const float d4 = ac.dot(bp);
-    if (d3 >= 0.0f && d4 <= d3) {
-        return {b, Feature::vertex, 1};
-    }
-    const float vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) {
-        return {a + d1 / (d1 - d3) * ab, Feature::edge, 0};
-    }
-    const Vec3f cp = p - c;
-    const float d5 = ab.dot(cp);
-    const float d6 = ac.dot(cp);
-    if (d6 >= 0.0f && d5 <= d6) {
-        return {c, Feature::vertex, 2};
-    }
-    const float vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) {
-        return {a + d2 / (d2 - d6) * ac, Feature::edge, 2};
-    }
-    const float va = d3 * d6 - d5 * d4;
-    if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) {
-        return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), Feature::edge, 1};
-    }
-    const float scale = 1.0f / (va + vb + vc);
-    return {a + ab * (vb * scale) + ac * (vc * scale), Feature::face, 0};
-}
-
 void append_contacts(const Capsule& capsule, std::uint32_t capsule_index, std::uint32_t triangle,
                      const MeshView& mesh, float margin, std::vector<CapsuleContact>& contacts) {
     const Triangle& corners = mesh.triangles[triangle];

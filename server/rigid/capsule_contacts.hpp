@@ -67,17 +67,4 @@ struct MeshView {
 void append_contacts(const Capsule& capsule, std::uint32_t capsule_index, std::uint32_t triangle,
                      const MeshView& mesh, float margin, std::vector<CapsuleContact>& contacts);
 
-/// Part of a triangle that holds the closest point.
-enum class Feature : std::uint8_t { vertex, edge, face };
-
-struct ClosestPoint {
-    Vec3f point = Vec3f::Zero();
-    Feature feature = Feature::face;
-    int index = 0;  ///< corner, or edge from that corner to the next
-};
-
-/// Closest point of triangle a, b, c to p (Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5).
-[[nodiscard]] ClosestPoint closest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b,
-                                               const Vec3f& c);
-
 }  // namespace eti::rigid

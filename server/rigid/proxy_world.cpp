@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/mesh/closest_point.hpp"
+
 namespace eti::rigid {
 
 btTransform bullet_pose(const RigidTransform& pose) {
@@ -151,11 +153,8 @@ void RigidLayer::World::place(const RigidTransform& pose) {
 }
 
 bool RigidLayer::World::may_touch(std::uint32_t triangle, const Capsule& capsule, float within) const {
-    const Vec3f line = capsule.b - capsule.a;
-    const Vec3f offset = centroids[triangle] - capsule.a;
-    const float share = std::clamp(line.dot(offset) / std::max(line.squaredNorm(), 1e-12f), 0.0f, 1.0f);
     const float limit = within + extents[triangle];
-    return (offset - share * line).squaredNorm() <= limit * limit;
+    return offset_from_segment(capsule.a, capsule.b, centroids[triangle]).squaredNorm() <= limit * limit;
 }
 
 // The bounding box of a long oblique capsule contains many times the triangles near it; boxes of short pieces

@@ -40,6 +40,7 @@ struct Settings {
     int max_contacts = 128;                 ///< nearest contacts kept per substep; dropped ones are counted
 };
 
+/// Contact of the laryngoscope's proxy with the shell.
 struct Contact {
     Vec3f position = Vec3f::Zero();  ///< [m], on the shell
     Vec3f normal = Vec3f::UnitZ();   ///< unit, from the shell to the proxy

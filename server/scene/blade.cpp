@@ -51,7 +51,7 @@ void BladeContact::wake(pbd::SoftBody& body, const RigidTransform& from, const R
         box.min() -= margin;
         box.max() += margin;
         body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
-            return pbd::offset_from_segment(a, b, p).squaredNorm() < (reach + radius) * (reach + radius);
+            return offset_from_segment(a, b, p).squaredNorm() < (reach + radius) * (reach + radius);
         });
     }
 }
@@ -261,7 +261,7 @@ void BladeContact::collide_particles(pbd::Particles& particles,
             }
             const pbd::MovingCapsule& capsule = capsules[c];
             const float away =
-                pbd::offset_from_segment(capsule.a, capsule.b, seen).norm() - capsule.radius - radius;
+                offset_from_segment(capsule.a, capsule.b, seen).norm() - capsule.radius - radius;
             gap = std::min(gap, away);
             if (moved || away <= way) {
                 move(particles, i,

@@ -360,10 +360,7 @@ void Scene::fill_proxy(const Inputs& inputs) {
     s.proxy_angular_velocity = proxy.angular_velocity;
     s.shell_force = proxy.force;
     s.shell_torque = proxy.torque;
-    s.shell_contacts.clear();
-    for (const rigid::Contact& c : proxy.contacts) {
-        s.shell_contacts.push_back({c.position, c.normal, c.force, c.tissue});
-    }
+    s.shell_contacts = proxy.contacts;
 }
 
 void Scene::fill_snapshot(const Inputs& inputs) {

@@ -10,16 +10,9 @@
 #include "common/model/landmark.hpp"
 #include "common/model/runtime_parameters.hpp"
 #include "common/model/tissue.hpp"
+#include "server/rigid/rigid_layer.hpp"
 
 namespace eti::scene {
-
-/// Contact of the laryngoscope's proxy with the shell.
-struct RigidContact {
-    Vec3f position = Vec3f::Zero();  ///< [m]
-    Vec3f normal = Vec3f::UnitZ();   ///< unit, from the shell to the proxy
-    float force = 0.0f;              ///< [N], along the normal
-    Tissue tissue = Tissue::soft;
-};
 
 /// A soft-tissue particle that touches the blade or is about to.
 struct TissueContact {
@@ -54,7 +47,7 @@ struct ProxySnapshot {
     Vec3f proxy_angular_velocity = Vec3f::Zero();  ///< [rad/s]
     Vec3f shell_force = Vec3f::Zero();             ///< [N], total of the shell on the proxy
     Vec3f shell_torque = Vec3f::Zero();            ///< [N m], about the proxy's origin
-    std::vector<RigidContact> shell_contacts;
+    std::vector<rigid::Contact> shell_contacts;
 };
 
 /// State of the scene after one step: the only input of metrics, recorder and bus. Patient frame.

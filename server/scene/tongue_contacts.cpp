@@ -108,7 +108,7 @@ void TongueContacts::collide_blade(const pbd::Particles& particles, const Moving
             if (!box.contains(x)) {
                 continue;
             }
-            const Vec3f away = pbd::offset_from_segment(a, b, x);
+            const Vec3f away = offset_from_segment(a, b, x);
             const float reach = capsule.radius + particles.radius[i];
             const float squared = away.squaredNorm();
             if (squared >= (reach + left_behind) * (reach + left_behind)) {

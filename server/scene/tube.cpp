@@ -143,7 +143,7 @@ void TubeContact::wake(pbd::SoftBody& body, const RigidTransform& grip_from, con
     box.max() += margin;
     body.sleep.wake_near(body.particles, box, [&](const Vec3f& p, float radius) {
         return std::ranges::any_of(ends_, [&](const Ends& e) {
-            return pbd::offset_from_segment(e.rear, e.front, p).squaredNorm() <
+            return offset_from_segment(e.rear, e.front, p).squaredNorm() <
                    (reach + radius) * (reach + radius);
         });
     });
@@ -184,7 +184,7 @@ void TubeContact::begin_step(const pbd::Particles& particles, const RigidTransfo
         float closest = far * far;
         for (std::size_t s = 0; s < rod_.size(); ++s) {
             const auto& [a, b] = ends_[s];
-            const float squared = pbd::offset_from_segment(a, b, particles.position[i]).squaredNorm();
+            const float squared = offset_from_segment(a, b, particles.position[i]).squaredNorm();
             if (squared < far * far) {
                 near.first = std::min(near.first, static_cast<std::uint32_t>(s));
                 near.end = static_cast<std::uint32_t>(s + 1);
@@ -377,7 +377,7 @@ void TubeContact::meet(const pbd::Particles& particles, Near& near, pbd::RodCont
     float closest = none;
     for (std::uint32_t s = near.first; s < near.end; ++s) {
         const auto& [a, b] = ends_[s];
-        const float t = pbd::closest_on_segment(a, b, p);
+        const float t = closest_on_segment(a, b, p);
         const Vec3f from = a + t * (b - a) - p;
         const float distance = from.norm();
         if (distance < closest && distance > 1e-7f) {
@@ -410,7 +410,7 @@ void TubeContact::stop_head_on(const Vec3f& before, const Vec3f& now, float radi
     if (!met.has_value()) {
         return;
     }
-    const Vec3f normal = pbd::offset_from_segment(a, b, *met).normalized();
+    const Vec3f normal = offset_from_segment(a, b, *met).normalized();
     const Vec3f displacement = now - from;
     if (displacement.dot(normal) < 0.0f && pbd::runs_head_on(moved, normal, reach)) {
         // If the tube has passed over it, the particle is moved back to the point of impact.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "client/render/draw_context.hpp"
 #include "client/render/shaders/shaders.hpp"
 
 namespace eti::render {
@@ -44,11 +45,7 @@ std::string blade_clearance_source() {
 }
 
 void apply(const PosedBladeClearanceDeformer& placed, ShaderProgram& program) {
-    const RigidTransform inverse = placed.tool.inverse();
-    Eigen::Matrix4f to_blade = Eigen::Matrix4f::Identity();
-    to_blade.topLeftCorner<3, 3>() = inverse.rotation.toRotationMatrix();
-    to_blade.topRightCorner<3, 1>() = inverse.translation;
-    program.set("to_blade", to_blade);
+    program.set("to_blade", matrix_of(placed.tool.inverse()));
     const BladeClearanceDeformer& give_way = placed.give_way;
     const BladePlate& plate = give_way.plate;
     program.set("blade_plate", Eigen::Vector4f(plate.length, plate.wide, plate.narrow, plate.crown));

@@ -5,32 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/axes.hpp"
 #include "common/model/tools/blade_camera.hpp"
 
 namespace eti::render {
-namespace {
-
-struct Axes {
-    Vec3f right, up, back;
-};
-
-Axes axes_of(const Camera& camera) {
-    const Vec3f gaze = camera.target - camera.eye;
-    const Vec3f back = gaze.norm() > 1e-6f ? Vec3f(-gaze.normalized()) : Vec3f::UnitZ();
-    Vec3f right = camera.up.cross(back);
-    right = right.norm() > 1e-4f ? right.normalized() : back.unitOrthogonal();
-    return {right, back.cross(right), back};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Eigen::Matrix4f Camera::view() const {
-    const auto [right, upward, back] = axes_of(*this);
+    const Mat3f axes = view_axes(eye, target, up);
     Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
-    matrix.block<1, 3>(0, 0) = right.transpose();
-    matrix.block<1, 3>(1, 0) = upward.transpose();
-    matrix.block<1, 3>(2, 0) = back.transpose();
-    matrix.block<3, 1>(0, 3) = Vec3f(-right.dot(eye), -upward.dot(eye), -back.dot(eye));
+    matrix.topLeftCorner<3, 3>() = axes.transpose();
+    matrix.topRightCorner<3, 1>() = -(axes.transpose() * eye);
     return matrix;
 }
 
@@ -55,12 +40,7 @@ Eigen::Matrix4f Camera::projection(float aspect) const {
 }
 
 RigidTransform Camera::pose() const {
-    const auto [right, upward, back] = axes_of(*this);
-    Mat3f rotation;
-    rotation.col(0) = right;
-    rotation.col(1) = upward;
-    rotation.col(2) = back;
-    return RigidTransform::from(Quatf(rotation).normalized(), eye);
+    return RigidTransform::from(Quatf(view_axes(eye, target, up)).normalized(), eye);
 }
 
 Camera overview_camera(const Landmarks& rest, const Orbit& orbit, float table_angle) {

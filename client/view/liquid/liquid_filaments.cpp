@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/mesh/closest_point.hpp"
+
 namespace eti::view {
 namespace {
 
@@ -25,12 +27,6 @@ constexpr float thinnest = 35e-6f;         // [m], radius
 constexpr float drains_in = 1.6f;          // [s], time constant of the radius
 
 constexpr std::uint32_t no_particle = LiquidTracks::no_particle;
-
-float along_of(const Capsule& capsule, const Vec3f& p) {
-    const Vec3f axis = capsule.b - capsule.a;
-    const float squared = axis.squaredNorm();
-    return squared > 0.0f ? std::clamp((p - capsule.a).dot(axis) / squared, 0.0f, 1.0f) : 0.0f;
-}
 
 Vec3f on_axis(const Capsule& capsule, float along) {
     return capsule.a + along * (capsule.b - capsule.a);
@@ -119,7 +115,7 @@ void LiquidFilaments::touch(const LiquidTracks& liquid, std::span<const Capsule>
         }
         for (std::uint32_t k = 0; k < tools.size() && touched_[i] == no_particle; ++k) {
             const float reach = tools[k].radius + on_tool * spacing;
-            if ((p - on_axis(tools[k], along_of(tools[k], p))).squaredNorm() < reach * reach) {
+            if (offset_from_segment(tools[k].a, tools[k].b, p).squaredNorm() < reach * reach) {
                 touched_[i] = k;
             }
         }
@@ -137,7 +133,7 @@ void LiquidFilaments::part(const LiquidTracks& liquid, std::span<const Capsule> 
         }
         const std::uint32_t tool = before < touched_before_.size() ? touched_before_[before] : no_particle;
         if (tool < tools.size() && touched_[i] == no_particle) {
-            const float along = along_of(tools[tool], positions[i]);
+            const float along = closest_on_segment(tools[tool].a, tools[tool].b, positions[i]);
             const Vec3f foot = on_surface(tools[tool], along, positions[i]);
             if (is_free(liquid, 0.5f * (foot + positions[i]), 0.6f * free_about * spacing, i, i)) {
                 separating_.push_back({(foot - positions[i]).norm(),

@@ -4,24 +4,15 @@
 
 #include <algorithm>
 
+#include "common/math/axes.hpp"
+
 namespace eti::view {
 namespace {
 
+const Vec3f anterior = -Vec3f::UnitY();
+
 Vec3f held(const Vec3f& offset) {
     return offset.cwiseMax(-TraineeEye::max_offset).cwiseMin(TraineeEye::max_offset);
-}
-
-/// Right, up and back axes for a look from `eye` to `target`.
-Mat3f axes_of(const Vec3f& eye, const Vec3f& target) {
-    const Vec3f way = eye - target;
-    const Vec3f back = way.norm() > 1e-6f ? Vec3f(way.normalized()) : Vec3f::UnitZ();
-    const Vec3f across = back.cross(Vec3f::UnitY());  // the patient's anterior is up
-    const Vec3f right = across.norm() > 1e-4f ? across.normalized() : back.unitOrthogonal();
-    Mat3f axes;
-    axes.col(0) = right;
-    axes.col(1) = back.cross(right);
-    axes.col(2) = back;
-    return axes;
 }
 
 }  // namespace
@@ -43,7 +34,7 @@ RigidTransform TraineeEye::pose(const Landmarks& now) const {
         return *headset_pose_;
     }
     const Vec3f eye = position(now);
-    const Quatf straight(axes_of(eye, at(now, Landmark::glottis)));
+    const Quatf straight(view_axes(eye, at(now, Landmark::glottis), anterior));
     const Quatf aside =
         Quatf(Eigen::AngleAxisf(-right_, Vec3f::UnitY())) * Quatf(Eigen::AngleAxisf(up_, Vec3f::UnitX()));
     return RigidTransform::from((straight * aside).normalized(), eye);
@@ -55,7 +46,7 @@ void TraineeEye::move(const Vec3f& by, const Landmarks& now) {
     }
     const Vec3f glottis = at(now, Landmark::glottis);
     const Vec3f eye = position(now);
-    const Vec3f wanted = held(offset_ + axes_of(eye, glottis) * by);
+    const Vec3f wanted = held(offset_ + view_axes(eye, glottis, anterior) * by);
     const float distance = (best_eye(now) + wanted - glottis).norm();
     if (distance >= min_distance || distance >= (eye - glottis).norm()) {
         offset_ = wanted;

@@ -77,7 +77,7 @@ session::TissueLoads loads_of(const scene::Snapshot& snapshot) {
     std::array<float, session::touched_tissues> weight{};
     net.fill(Vec3f::Zero());
     moment.fill(Vec3f::Zero());
-    for (const scene::RigidContact& contact : snapshot.shell_contacts) {
+    for (const rigid::Contact& contact : snapshot.shell_contacts) {
         const auto tissue = static_cast<std::size_t>(contact.tissue);
         loads.pressed[tissue] += contact.force;
         moment[tissue] += contact.force * contact.position;

@@ -21,7 +21,7 @@ std::string when(const scene::Snapshot& snapshot, std::string_view stage) {
 /// [N], of the shell's contacts on the lower gum.
 float on_lower_gum(const scene::Snapshot& snapshot) {
     float force = 0.0f;
-    for (const scene::RigidContact& contact : snapshot.shell_contacts) {
+    for (const rigid::Contact& contact : snapshot.shell_contacts) {
         force += contact.tissue == Tissue::lower_gum ? contact.force : 0.0f;
     }
     return force;
@@ -34,7 +34,7 @@ std::string ForceLimitMonitor::check(const scene::Snapshot& s, std::string_view 
     const float apart = (s.device.translation - s.proxy.translation).norm();
     if (!parted_ && apart > farthest && !s.shell_contacts.empty()) {
         parted_ = true;
-        const auto& most = *std::ranges::max_element(s.shell_contacts, {}, &scene::RigidContact::force);
+        const auto& most = *std::ranges::max_element(s.shell_contacts, {}, &rigid::Contact::force);
         return fmt::format(
             "{} the hand is {:.0f} mm from where the laryngoscope is stopped ({}, {:.0f} N), expected at "
             "most "

@@ -537,36 +537,30 @@ std::filesystem::path numbered_record(const std::filesystem::path& record, std::
 }  // namespace
 
 int run_server(const Options& options) {
-    catch_stop_signals();
     const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
                                                     : std::max(1u, std::thread::hardware_concurrency());
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    try {
-        if (!options.resimulate.empty()) {
-            return resimulate(options);
-        }
-        if (!options.replay.file.empty()) {
-            return replay(options);
-        }
-        std::vector<Scenario> scenarios;
-        for (const std::string& name : options.scenarios) {
-            scenarios.push_back(load_scenario(find_data_file(name, "scenarios")));
-        }
-        int status = 0;
-        for (std::size_t i = 0; i < scenarios.size(); ++i) {
-            Options session_options = options;
-            session_options.record = numbered_record(options.record, i + 1);
-            Session session(session_options, scenarios[i], i + 1 < scenarios.size());
-            status = std::max(status, session.run());
-            if (session.all_ended()) {
-                break;
-            }
-        }
-        return status;
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
+    if (!options.resimulate.empty()) {
+        return resimulate(options);
     }
+    if (!options.replay.file.empty()) {
+        return replay(options);
+    }
+    std::vector<Scenario> scenarios;
+    for (const std::string& name : options.scenarios) {
+        scenarios.push_back(load_scenario(find_data_file(name, "scenarios")));
+    }
+    int status = 0;
+    for (std::size_t i = 0; i < scenarios.size(); ++i) {
+        Options session_options = options;
+        session_options.record = numbered_record(options.record, i + 1);
+        Session session(session_options, scenarios[i], i + 1 < scenarios.size());
+        status = std::max(status, session.run());
+        if (session.all_ended()) {
+            break;
+        }
+    }
+    return status;
 }
 
 }  // namespace eti::app

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/mesh/closest_point.hpp"
+
 namespace eti::patient {
 
 VisibleFields Anatomy::visible_fields(const Vec3f& point) const {
@@ -44,10 +46,9 @@ Tissue Anatomy::visible_tissue(const Vec3f& point) const {
         return lined;
     }
     const auto points = landmarks();
-    const Vec3f& front = at(points, Landmark::glottis_anterior);
-    const Vec3f along = at(points, Landmark::glottis_posterior) - front;
-    const float t = std::clamp((point - front).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
-    return (point - front - t * along).norm() < 2.0f * scale() ? Tissue::vocal_cord : Tissue::larynx;
+    const Vec3f off = offset_from_segment(at(points, Landmark::glottis_anterior),
+                                          at(points, Landmark::glottis_posterior), point);
+    return off.norm() < 2.0f * scale() ? Tissue::vocal_cord : Tissue::larynx;
 }
 
 std::vector<Vec3f> Anatomy::glottis_contour() const {

@@ -181,7 +181,6 @@ int main(int argc, char** argv) {
     CommandLine app(
         "Turns CT volumes into labels, surfaces and models; makes CT volumes of a parametric newborn.",
         "eti-anatomy");
-    app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     app.fallthrough();
     bool json = false;

@@ -2,12 +2,12 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "common/mesh/closest_point.hpp"
 #include "common/mesh/distance_grid.hpp"
 #include "common/model/tools/tools.hpp"
 #include "server/pbd/contact/friction.hpp"
@@ -21,18 +21,6 @@ struct MovingCapsule {
     Vec3f a = Vec3f::Zero(), b = Vec3f::Zero();
     float radius = 0.0f;
 };
-
-/// Parameter in [0, 1] of the point of segment a-b closest to `point`.
-[[nodiscard]] inline float closest_on_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
-    const Vec3f along = b - a;
-    const float squared = along.squaredNorm();
-    return squared > 0.0f ? std::clamp((point - a).dot(along) / squared, 0.0f, 1.0f) : 0.0f;
-}
-
-/// Vector [m] from the closest point of segment a-b to `point`.
-[[nodiscard]] inline Vec3f offset_from_segment(const Vec3f& a, const Vec3f& b, const Vec3f& point) {
-    return point - a - closest_on_segment(a, b, point) * (b - a);
-}
 
 /// First point on the path from `from` to `to` at distance `reach` [m] from segment a-b, by sphere tracing
 /// (Hart 1996). If the path starts nearer (after other pushes), it is first moved from the closest point out

@@ -4,7 +4,6 @@
 // eti-bench-bus: cost of the bus, and its behaviour over poor links. The benches themselves are in bench.py
 // beside this file, which starts processes on hosts; those processes run this program, too.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,9 +13,7 @@
 #include <vector>
 
 #include "common/bus/command_line.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
-#include "common/process/stop_signal.hpp"
+#include "common/process/program.hpp"
 #include "tests/bench/bus/parts.hpp"
 
 namespace {
@@ -63,8 +60,7 @@ int main(int argc, char** argv) {
     if (!part_asked) {
         return run_script(argc, argv);
     }
-    eti::set_up_log("eti-bench-bus");
-    eti::CommandLine app("One end of a measurement of the bus; prints a JSON object");
+    eti::CommandLine app("One end of a measurement of the bus; prints a JSON object", "eti-bench-bus");
     app.require_subcommand(1);
     PartOptions options;
     options.bus.name = "eti-bench-bus";
@@ -84,19 +80,12 @@ int main(int argc, char** argv) {
         sub.add_option("--other", options.other, "Such a file of another reader: what that one drew wrongly");
         sub.callback([&run, &part] { run = part.run; });
     }
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    eti::catch_stop_signals();
-    try {
+    return eti::run_program(app, argc, argv, [&] {
         (void)since_start_ms();
         const nlohmann::json out = run(options);
         if (!out.is_null()) {
             fmt::print("{}\n", out.dump());
         }
         return 0;
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    });
 }

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/spdlog.h>
-
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
+#include "common/process/program.hpp"
 #include "tests/bench/devices/haptics.hpp"
 
 int main(int argc, char** argv) {
-    eti::set_up_log("eti-bench-devices");
     eti::CommandLine app("Benchmarks of the devices: stability, stiffness and timing of the haptic loop.",
                          "eti-bench-devices");
-    app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     eti::bench::HapticsOptions options;
     eti::CommandLine haptics = app.add_subcommand(
@@ -29,13 +24,6 @@ int main(int argc, char** argv) {
         .capture_default_str();
     haptics.add_option("--only", options.only, "One table").one_of(eti::bench::haptics_table_names());
     haptics.add_flag("--quick", options.quick, "A corner of the maps, no run beside a server");
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    try {
-        return eti::bench::haptics(options);
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    return eti::run_program(
+        app, argc, argv, [&] { return eti::bench::haptics(options); }, std::nullopt);
 }

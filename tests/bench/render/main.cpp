@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/spdlog.h>
-
 #include "client/render/quality.hpp"
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
-#include "common/process/stop_signal.hpp"
+#include "common/process/program.hpp"
 #include "tests/bench/render/render_bench.hpp"
 
 int main(int argc, char** argv) {
-    eti::set_up_log("eti-bench-render");
     eti::CommandLine app("What one sees, measured: pictures of scripted attempts against their goals.",
                          "eti-bench-render");
-    app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     eti::bench::RenderOptions options;
     bool quick = false;
@@ -49,28 +43,22 @@ int main(int argc, char** argv) {
                           "and at the best view");
     render.add_flag("--renew", options.renew, "Write those pictures anew instead of comparing").needs(golden);
     render.add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    if (quick) {
-        if (scenarios.empty()) {
-            options.scenarios = {"term"};
+    const auto work = [&] {
+        if (quick) {
+            if (scenarios.empty()) {
+                options.scenarios = {"term"};
+            }
+            if (operators.empty()) {
+                options.operators = {"expert"};
+            }
+            if (costs.empty()) {
+                options.costs = 0;
+            }
+            if (eyes.empty()) {
+                options.eyes = 40;
+            }
         }
-        if (operators.empty()) {
-            options.operators = {"expert"};
-        }
-        if (costs.empty()) {
-            options.costs = 0;
-        }
-        if (eyes.empty()) {
-            options.eyes = 40;
-        }
-    }
-    eti::catch_stop_signals({.second_ends = true});
-    try {
         return eti::bench::render_bench(options);
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+    };
+    return eti::run_program(app, argc, argv, work, eti::StopSignals{.second_ends = true});
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
 #include <thread>
 
-#include "common/process/command_line.hpp"
-#include "common/process/log.hpp"
+#include "common/process/program.hpp"
 #include "tests/bench/server/accuracy/accuracy.hpp"
 #include "tests/bench/server/accuracy/calibration.hpp"
 #include "tests/bench/server/shard.hpp"
@@ -16,10 +14,8 @@
 #include "tests/bench/server/stability/sufficiency.hpp"
 
 int main(int argc, char** argv) {
-    eti::set_up_log("eti-bench-physics");
     eti::CommandLine app("Benchmarks of the physics: charts and tables that decide the shipped settings.",
                          "eti-bench-physics");
-    app.set_version_flag("--version", ETI_VERSION);
     app.require_subcommand(1);
     int threads = 0;
     app.add_number("--threads", threads, "Solver threads; 0: one per core (speed: one, then two)", {0, 256});
@@ -79,37 +75,35 @@ int main(int argc, char** argv) {
     resting.add_option("--out", sleep.out, "Folder for the tables").capture_default_str();
     resting.add_option("--scenario", sleep.scenarios, "Scenarios by name or path").capture_default_str();
     resting.add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
-    if (const auto status = app.parse(argc, argv)) {
-        return *status;
-    }
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism,
-        threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency()));
-    try {
-        if (!shard.empty()) {
-            accuracy.shard = stability.shard = sufficiency.shard = eti::bench::Shard(shard);
-        }
-        if (together.parsed()) {
-            return eti::bench::merge(merged, shares);
-        }
-        if (errors.parsed()) {
-            return eti::bench::accuracy(accuracy);
-        }
-        if (moduli.parsed()) {
-            return eti::bench::calibration(calibration);
-        }
-        if (resting.parsed()) {
-            return eti::bench::sleep(sleep);
-        }
-        if (costs.parsed()) {
-            if (threads > 0) {
-                speed.threads = {threads};
+    return eti::run_program(
+        app, argc, argv,
+        [&] {
+            const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
+                                              threads > 0
+                                                  ? static_cast<std::size_t>(threads)
+                                                  : std::max(1u, std::thread::hardware_concurrency()));
+            if (!shard.empty()) {
+                accuracy.shard = stability.shard = sufficiency.shard = eti::bench::Shard(shard);
             }
-            return eti::bench::speed(speed);
-        }
-        return limits.parsed() ? eti::bench::stability(stability) : eti::bench::sufficiency(sufficiency);
-    } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
-        return 1;
-    }
+            if (together.parsed()) {
+                return eti::bench::merge(merged, shares);
+            }
+            if (errors.parsed()) {
+                return eti::bench::accuracy(accuracy);
+            }
+            if (moduli.parsed()) {
+                return eti::bench::calibration(calibration);
+            }
+            if (resting.parsed()) {
+                return eti::bench::sleep(sleep);
+            }
+            if (costs.parsed()) {
+                if (threads > 0) {
+                    speed.threads = {threads};
+                }
+                return eti::bench::speed(speed);
+            }
+            return limits.parsed() ? eti::bench::stability(stability) : eti::bench::sufficiency(sufficiency);
+        },
+        std::nullopt);
 }

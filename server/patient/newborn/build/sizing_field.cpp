@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/math/units.hpp"
+#include "common/mesh/closest_point.hpp"
 
 namespace eti::patient {
 
@@ -13,12 +14,6 @@ namespace {
 constexpr float growth = 0.25f;
 // Multiple of the spacing: trunk and scalp are not viewed closely.
 constexpr float farthest = 4.0f;
-
-float distance_to_line(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
-    const Vec3f d = b - a;
-    const float t = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-12f), 0.0f, 1.0f);
-    return (p - a - t * d).norm();
-}
 
 }  // namespace
 
@@ -77,7 +72,7 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
 float SizingField::edge(const Vec3f& point) const {
     float finest = coarsest_;
     for (const Part& part : parts_) {
-        const float off = std::max(distance_to_line(point, part.from, part.to) - part.reach, 0.0f);
+        const float off = std::max(offset_from_segment(part.from, part.to, point).norm() - part.reach, 0.0f);
         finest = std::min(finest, part.edge + growth * off);
     }
     return finest;

@@ -84,13 +84,9 @@ Eigen::Isometry3d LiftReference::blade_at(double step) const {
     const double share = step - static_cast<double>(before);
     const RigidTransform& a = surroundings_.blade[before];
     const RigidTransform& b = surroundings_.blade[after];
-    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-    out.linear() = a.rotation.cast<double>()
-                       .normalized()
-                       .slerp(share, b.rotation.cast<double>().normalized())
-                       .toRotationMatrix();
-    out.translation() = (1.0 - share) * a.translation.cast<double>() + share * b.translation.cast<double>();
-    return out;
+    return Eigen::Translation3d((1.0 - share) * a.translation.cast<double>() +
+                                share * b.translation.cast<double>()) *
+           a.rotation.cast<double>().normalized().slerp(share, b.rotation.cast<double>().normalized());
 }
 
 std::vector<double> LiftReference::held_at(double step) const {
@@ -217,12 +213,8 @@ std::vector<std::size_t> LiftReference::stops() const {
         const std::vector<Vec3f> ends = ends_at(step);
         return std::ranges::any_of(particle_, [&](std::uint32_t i) {
             for (std::size_t c = 0; c < surroundings_.scope.capsules.size(); ++c) {
-                const Vec3f& a = ends[2 * c];
-                const Vec3f along = ends[2 * c + 1] - a;
-                const Vec3f to = surroundings_.rest[i] - a;
-                const float t = std::clamp(to.dot(along) / along.squaredNorm(), 0.0f, 1.0f);
-                if (static_cast<double>((to - t * along).norm() - surroundings_.scope.capsules[c].radius) <
-                    near_tongue) {
+                const Vec3f to = offset_from_segment(ends[2 * c], ends[2 * c + 1], surroundings_.rest[i]);
+                if (static_cast<double>(to.norm() - surroundings_.scope.capsules[c].radius) < near_tongue) {
                     return true;
                 }
             }

@@ -196,7 +196,7 @@ Pressed by_implicit_tetrahedra(const Tongue& tongue, double depth, int iteration
             if (!meshed[i]) {
                 continue;
             }
-            const Vec3f away = pbd::offset_from_segment(blade.a, blade.b, p.position[i]);
+            const Vec3f away = offset_from_segment(blade.a, blade.b, p.position[i]);
             const float distance = away.norm();
             if (distance < blade.radius || !force[i].isZero(0.0f)) {
                 pbd::MeshContact& c = mesh.contacts.emplace_back();

@@ -82,7 +82,7 @@ RecoveryResult squeeze(double rate, float speed, bool two_capsules, bool as_in_t
             finite = finite && x.allFinite() && fluid.velocities()[i].allFinite();
             float clear = walls.distance(x);
             for (const pbd::MovingCapsule& c : surroundings.capsules) {
-                const float t = pbd::closest_on_segment(c.a, c.b, x);
+                const float t = closest_on_segment(c.a, c.b, x);
                 clear = std::min(clear, (x - c.a - t * (c.b - c.a)).norm() - c.radius);
             }
             overlap = std::max(overlap, static_cast<double>(-clear));

@@ -97,7 +97,7 @@ TEST(ClosestPoint, IsNoFartherThanAnySample) {
     for (int i = 0; i < 400; ++i) {
         const float t = 0.37f * static_cast<float>(i);
         const Vec3f p(2.0f * std::cos(t), 2.0f * std::sin(1.3f * t), std::sin(0.7f * t));
-        const float found = (p - closest_point(p, a, b, c)).norm();
+        const float found = (p - closest_on_triangle(p, a, b, c).point).norm();
         float best = 1e9f;
         for (int u = 0; u <= 100; ++u) {
             for (int v = 0; u + v <= 100; ++v) {
@@ -169,8 +169,8 @@ TEST(MeshDistance, AgreesWithBruteForce) {
                 const Vec3f p = grid.node(x, y, z);
                 float best = band;
                 for (const Triangle& t : mesh.triangles) {
-                    best = std::min(best, (p - closest_point(p, mesh.vertices[t[0]], mesh.vertices[t[1]],
-                                                             mesh.vertices[t[2]]))
+                    best = std::min(best, (p - closest_on_triangle(p, mesh.vertices[t[0]],
+                                                                   mesh.vertices[t[1]], mesh.vertices[t[2]]))
                                               .norm());
                 }
                 const float found = grid.value[grid.index(x, y, z)];
