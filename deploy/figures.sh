@@ -25,10 +25,10 @@ usage() {
 Usage: deploy/figures.sh [--quick | --stale] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
 Measures anew what docs/ shows and draws it. Without options that takes more than seven hours. A part's tables replace
 those of docs/charts once its measurement has ended well; until then they lie in out/figures.
-  --quick       measure nothing: draw all charts again from the tables of docs/charts (ten seconds)
+  --quick       measure nothing: draw all charts again from the tables of docs/charts
   --stale       only the parts whose tables belong to another physics version, cheapest first: names them, then
                 measures them anew. With --list: only names them
-  --only NAME   this part; may be given several times:
+  --only NAME this part; may be given several times:
 $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "${TAKES[$part]}"; done)
   --demo DIR    for pictures: take those of this demo's folder (out/demo/demo-...) instead of running one,
                 also with --quick
@@ -36,9 +36,9 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --no-install  do not look for missing packages
   --list        name the files that it makes, and make none
   --help        print this
-Sufficiency has a table and no figure. Pictures are README's, anatomy the slices of segmented heads, render what one
-sees against its goals, readers what a lab's own program reads and what that costs, panel the instructor's beside a session,
-first_session the steps of an intubation with mouse and keys, report the page about two recorded sessions.
+Sufficiency, sleep, bus and soak have tables and no figure. Pictures are README's, anatomy the slices of segmented heads,
+render the views against their goals, readers what a lab's own program reads and its cost, panel the instructor's beside
+a session, first_session the steps of an intubation with mouse and keys, report the page about two recorded sessions.
 USAGE
 }
 
@@ -72,7 +72,7 @@ fi
 
 stamps() { "$ETI_PYTHON" -B "$ETI_ROOT/docs/stamps.py" --server "$ETI_ROOT/build/release/bin/eti-server" "$@"; }
 plot() { "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/plot.py" "$CHARTS" "$@"; }
-draws() { case $1 in accuracy | calibration | stability | sleep | haptics | bus | soak) true ;; *) false ;; esac; }
+draws() { case $1 in accuracy | calibration | stability | haptics) true ;; *) false ;; esac; }
 
 # bench PART ARGUMENT...: runs a command of eti-bench with a folder of its own, and copies its tables to docs/charts.
 bench() {
@@ -114,7 +114,7 @@ render() {
     local folder=$OUT/render
     rm -rf "$folder"
     "$ETI_ROOT/build/release/bin/eti-bench" render --scenario term --scenario premature --operator expert \
-        --out "$folder" && cp "$folder"/render-{goals,costs}.csv "$CHARTS" &&
+        --out "$folder" && cp "$folder/render-goals.csv" "$CHARTS" &&
         cp "$folder/term_expert.png" "$ETI_ROOT/docs/rendering.png"
 }
 

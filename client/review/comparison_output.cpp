@@ -57,8 +57,7 @@ std::string how_text(const Comparison& comparison) {
 
 constexpr std::string_view legend =
     "p: bootstrap test of no difference; Holm: the same, adjusted for the measures of its part; g: Hedges' "
-    "effect "
-    "size";
+    "effect size";
 
 /// Rows of the paper's metrics, then the others, with a heading between.
 template <class Each, class Between>
@@ -95,26 +94,6 @@ std::string effect_picture(const Difference& difference) {
         "<circle cx=\"{:.1f}\" cy=\"7\" r=\"3.5\" fill=\"#0b5cad\"/></svg>",
         number(difference.effect), interval_text(range), x(shown.low), x(shown.high), x(difference.effect));
 }
-
-constexpr std::string_view page_head = R"(<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
-<title>NeoETI comparison</title>
-<style>
-body { margin: 0 auto; max-width: 1180px; padding: 16px; color: #1d2329; font: 15px/1.45 system-ui, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.6rem; margin: 0 0 4px; } h2 { font-size: 1.15rem; margin: 20px 0 6px; }
-.wide { overflow-x: auto; } table { border-collapse: collapse; width: 100%; }
-th, td { padding: 3px 8px; text-align: right; border-bottom: 1px solid #d5dae0; white-space: nowrap; font-variant-numeric: tabular-nums; }
-th:first-child, td:first-child, th:nth-child(2), td:nth-child(2) { text-align: left; white-space: normal; }
-tr.part th { background: #f4f6f8; text-align: left; } .soft { color: #55606b; font-size: 0.88rem; }
-tr.distinct td { font-weight: 600; }
-</style>
-</head>
-<body>
-)";
 
 }  // namespace
 
@@ -249,8 +228,7 @@ std::string to_csv(const Comparison& comparison) {
 }
 
 std::string to_html(const Comparison& comparison, std::string_view extra_html) {
-    std::string out(page_head);
-    out += fmt::format(
+    std::string out = fmt::format(
         "<h1>Comparison</h1>\n<p class=\"soft\">{} {}. Bold: Holm's p is under 0.05. NeoETI {}.</p>\n",
         html_text(how_text(comparison)), html_text(legend), html_text(ETI_VERSION));
     out +=
@@ -308,7 +286,7 @@ std::string to_html(const Comparison& comparison, std::string_view extra_html) {
     for (const std::string& remark : comparison.remarks) {
         out += fmt::format("<li>Note: {}</li>\n", html_text(remark));
     }
-    return out + "</ul>\n</body>\n</html>\n";
+    return html_page("NeoETI comparison", out + "</ul>\n");
 }
 
 }  // namespace eti::review

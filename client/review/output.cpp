@@ -57,6 +57,31 @@ std::string html_text(std::string_view text) {
     return out;
 }
 
+std::string html_page(std::string_view title, std::string_view body) {
+    constexpr std::string_view before = R"(<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<title>)";
+    constexpr std::string_view after = R"(</title>
+<style>
+body { margin: 0 auto; max-width: 1180px; padding: 16px; color: #1d2329; font: 15px/1.45 system-ui, "DejaVu Sans", sans-serif; }
+h1 { font-size: 1.6rem; margin: 0 0 4px; } h2 { font-size: 1.15rem; margin: 20px 0 6px; }
+.wide { overflow-x: auto; } table { border-collapse: collapse; width: 100%; }
+th, td { padding: 3px 8px; text-align: right; border-bottom: 1px solid #d5dae0; white-space: nowrap; font-variant-numeric: tabular-nums; }
+th:first-child, td:first-child, th:nth-child(2), td:nth-child(2) { text-align: left; white-space: normal; }
+tr.part th { background: #f4f6f8; text-align: left; } .soft { color: #55606b; font-size: 0.88rem; }
+tr.distinct td { font-weight: 600; }
+pre { white-space: pre-wrap; }
+</style>
+</head>
+<body>
+)";
+    return fmt::format("{}{}{}{}</body>\n</html>\n", before, html_text(title), after, body);
+}
+
 std::string csv_text(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {

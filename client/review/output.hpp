@@ -30,6 +30,9 @@ void write_new_file(const std::filesystem::path& path, std::string_view text, st
 /// Escapes text for HTML elements and attribute values.
 [[nodiscard]] std::string html_text(std::string_view text);
 
+/// A whole page that loads nothing. `title`: plain text; `body`: HTML.
+[[nodiscard]] std::string html_page(std::string_view title, std::string_view body);
+
 /// Quotes text as a CSV value (RFC 4180).
 [[nodiscard]] std::string csv_text(std::string_view text);
 

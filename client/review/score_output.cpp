@@ -255,26 +255,20 @@ std::string to_html(const ScoreModel& model) {
                 x, y, x + 8, y + (bin.observed > 0.9 ? 14 : -6), bin.count);
         }
     }
-    return fmt::format(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Score {0}</title>\n"
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-        "'unsafe-inline'\">\n"
-        "<style>body{{font:16px sans-serif;max-width:50em;margin:2em auto}}pre{{white-space:pre-"
-        "wrap}}</style></head><body>\n"
-        "<h1>Score {0}</h1>\n<pre>{1}</pre>\n<h2>Calibration</h2>\n"
-        "<svg viewBox=\"0 0 360 360\" width=\"480\" role=\"img\" aria-label=\"Predicted chance of grade 4 or "
-        "5 and the "
-        "share that had it\">\n"
-        "<rect x=\"{2}\" y=\"{3}\" width=\"{4}\" height=\"{4}\" fill=\"none\" stroke=\"#333\"/>\n"
-        "<line x1=\"{2}\" y1=\"{5}\" x2=\"{6}\" y2=\"{3}\" stroke=\"#999\" stroke-dasharray=\"4\"/>\n{7}"
-        "<text x=\"{8}\" y=\"345\" font-size=\"13\" text-anchor=\"middle\">predicted chance of grade 4 or "
-        "5</text>\n"
-        "<text x=\"20\" y=\"160\" font-size=\"13\" text-anchor=\"middle\" transform=\"rotate(-90 20 "
-        "160)\">share that had "
-        "it</text>\n</svg>\n<p>Numbers are sessions; on the broken line chance and share are the same.</p>\n"
-        "</body></html>\n",
-        html_text(model.name), html_text(to_table(model)), left, top, size, top + size, left + size, points,
-        left + size / 2);
+    return html_page(
+        "Score " + model.name,
+        fmt::format("<h1>Score {0}</h1>\n<pre>{1}</pre>\n<h2>Calibration</h2>\n"
+                    "<svg viewBox=\"0 0 360 360\" width=\"480\" role=\"img\" aria-label=\"Predicted chance "
+                    "of grade 4 or 5 and the share that had it\">\n"
+                    "<rect x=\"{2}\" y=\"{3}\" width=\"{4}\" height=\"{4}\" fill=\"none\" stroke=\"#333\"/>\n"
+                    "<line x1=\"{2}\" y1=\"{5}\" x2=\"{6}\" y2=\"{3}\" stroke=\"#999\" "
+                    "stroke-dasharray=\"4\"/>\n{7}<text x=\"{8}\" y=\"345\" font-size=\"13\" "
+                    "text-anchor=\"middle\">predicted chance of grade 4 or 5</text>\n"
+                    "<text x=\"20\" y=\"160\" font-size=\"13\" text-anchor=\"middle\" transform=\"rotate(-90 "
+                    "20 160)\">share that had it</text>\n</svg>\n<p>Numbers are sessions; on the broken line "
+                    "chance and share are the same.</p>\n",
+                    html_text(model.name), html_text(to_table(model)), left, top, size, top + size,
+                    left + size, points, left + size / 2));
 }
 
 }  // namespace eti::review

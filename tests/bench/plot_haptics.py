@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Charts of the haptic loop: stability over latency, gaps between messages, stiffness, force laws."""
+"""Charts of the haptic loop: stability over latency, gaps between messages, force laws."""
 
 from functools import partial
 
@@ -57,10 +57,10 @@ def draw_haptics_stability(file, to):
                               label=f"{loss} % lost, controller {'on' if passivity == '1' else 'off'}")
             bounds = sorted({(float(row["delay_ms"]), float(row["delayed_bound_n_per_m"])) for row in cells})
             axes.plot(*zip(*bounds), color="black", lw=2, alpha=0.5,
-                      label="bound where the force is late (Gil et al. 2009)")
+                      label="bound for a delayed force (Gil et al. 2009)")
             axes.axhline(float(cells[0]["passive_bound_n_per_m"]), color="black", ls=":", lw=1.5,
                          label="passive without delay (Colgate & Schenkel 1997)")
-            axes.axhline(shipped.get(surface, 160.0), color="gold", lw=4, zorder=0, label="as shipped")
+            axes.axhline(shipped.get(surface, 160.0), color="gold", lw=4, zorder=0, label="shipped")
             if (surface, grip) == ("wall", "light grip"):
                 draw_over_the_bus(axes, over_the_bus, losses)
             axes.set_title(f"{surface}, {grip}", fontsize=9)
@@ -71,8 +71,8 @@ def draw_haptics_stability(file, to):
         line[0].set_ylabel("largest stable stiffness [N/m]")
     handles, labels = panels[0][0].get_legend_handles_labels()
     if over_the_bus:
-        for marker, text in (("^", "real server over DDS, still: controller on"), ("s", "the same, controller off"),
-                             ("x", "real server over DDS, not still")):
+        for marker, text in (("^", "real server over DDS, stable: controller on"), ("s", "the same, controller off"),
+                             ("x", "real server over DDS, oscillating")):
             handles += panels[0][0].plot([], [], marker=marker, color="grey", mec="black" if marker != "x" else "grey",
                                          ls="none")
             labels.append(text)
@@ -82,7 +82,7 @@ def draw_haptics_stability(file, to):
 
 
 # Hold time of forces [ms] if they are released at once, and if they are held on.
-LET_GO, HELD_ON = 17.0, 10000.0
+RELEASED, HELD_ON = 17.0, 10000.0
 GRIPS = ("firm grip", "light grip")
 PATTERNS = ("regular", "random", "bursts")
 
@@ -90,7 +90,7 @@ PATTERNS = ("regular", "random", "bursts")
 def held_in(rows):
     """The shipped case of the gaps' table: held for [ms], gone by [ms]."""
     (held, gone), = {(float(row["held_ms"]), float(row["gone_ms"])) for row in rows} - \
-        {(LET_GO, 20.0), (HELD_ON, 11000.0)}
+        {(RELEASED, 20.0), (HELD_ON, 11000.0)}
     return held, gone
 
 
@@ -105,7 +105,7 @@ def holding_pays_until(rows, surface, grip, speed):
     """The longest gap [ms] up to which, in the end, releasing at once moves the hand more than holding on, while the
     patient moves away at `speed` [mm/s]; None if it does to the end of the table."""
     held, gone = (dict(gap_line(rows, "excursion_mm", surface=surface, grip=grip, pattern="once", held_ms=hold,
-                                patient_mm_per_s=speed)) for hold in (HELD_ON, LET_GO))
+                                patient_mm_per_s=speed)) for hold in (HELD_ON, RELEASED))
     pays = [gap for gap in held if held[gap] <= gone[gap]]
     return max(pays) if max(pays) < max(held) else None
 
@@ -123,34 +123,34 @@ def draw_haptics_gaps(file, to):
         for number, grip in enumerate(GRIPS):
             colour = f"C{number}"
             of = dict(surface=surface, grip=grip)
-            for hold, style, text in ((HELD_ON, "-", "held on"), (LET_GO, "--", "let go of at once")):
+            for hold, style, text in ((HELD_ON, "-", "held on"), (RELEASED, "--", "released at once")):
                 line[0].plot(*zip(*gap_line(rows, "excursion_mm", pattern="once", held_ms=hold, patient_mm_per_s=20.0, **of)),
                              color=colour, ls=style, label=f"{grip}, {text}")
             for axes, speed in ((line[1], 0.0), (line[2], 20.0)):
                 for pattern in PATTERNS:
                     axes.plot(*zip(*gap_line(rows, "excursion_mm", pattern=pattern, held_ms=held, patient_mm_per_s=speed,
                                              **of)), color=colour, ls=styles[pattern], label=f"{grip}, {pattern}")
-                axes.plot(*zip(*gap_line(rows, "excursion_mm", pattern="regular", held_ms=LET_GO, patient_mm_per_s=speed,
-                                         **of)), color=colour, lw=4, alpha=0.25, label=f"{grip}, let go of at once")
+                axes.plot(*zip(*gap_line(rows, "excursion_mm", pattern="regular", held_ms=RELEASED, patient_mm_per_s=speed,
+                                         **of)), color=colour, lw=4, alpha=0.25, label=f"{grip}, released at once")
             for speed, marker in ((0.0, "o"), (20.0, "^")):
                 for pattern in PATTERNS:
                     line[3].plot(*zip(*gap_line(rows, "whole_percent", pattern=pattern, held_ms=held,
                                                 patient_mm_per_s=speed, **of)), color=colour, ls=styles[pattern],
                                  marker=marker, ms=3.5, lw=1)
-                line[3].plot(*zip(*gap_line(rows, "whole_percent", pattern="regular", held_ms=LET_GO,
+                line[3].plot(*zip(*gap_line(rows, "whole_percent", pattern="regular", held_ms=RELEASED,
                                             patient_mm_per_s=speed, **of)), color=colour, lw=4, alpha=0.25)
         for axes in line:
             axes.axvline(held, color="gold", lw=3, zorder=0)
-        line[0].set_title(f"{surface}: one gap, patient moves off at 20 mm/s", fontsize=9)
+        line[0].set_title(f"{surface}: one gap, patient moves away at 20 mm/s", fontsize=9)
         line[1].set_title(f"{surface}: gaps, patient rests", fontsize=9)
         line[2].set_title(f"{surface}: gaps, patient moves at 20 mm/s", fontsize=9)
-        line[3].set_title(f"{surface}: time with whole forces", fontsize=9)
+        line[3].set_title(f"{surface}: time with full forces", fontsize=9)
         for axes in line[:3]:
-            axes.set_ylabel("farthest from where it would be [mm]", fontsize=8)
+            axes.set_ylabel("greatest deviation of the hand [mm]", fontsize=8)
             axes.set_ylim(bottom=0)
         line[3].set_ylabel("share of the time [%]", fontsize=8)
     for axes in panels[-1]:
-        axes.set_xlabel("from one message to the next [ms]")
+        axes.set_xlabel("interval of messages [ms]")
     handles, labels = panels[0][1].get_legend_handles_labels()
     for extra in panels[0][0].get_legend_handles_labels()[0]:
         handles.append(extra)
@@ -159,36 +159,9 @@ def draw_haptics_gaps(file, to):
         handles += panels[0][3].plot([], [], marker=marker, color="grey", ls="none")
         labels.append(text)
     handles += panels[0][3].plot([], [], color="gold", lw=3)
-    labels.append(f"as shipped: held for {held:g} ms, gone by {gone:g} ms")
+    labels.append(f"shipped: held for {held:g} ms, zero by {gone:g} ms")
     figure.legend(handles, labels, loc="lower center", ncol=5, fontsize=8)
     figure.tight_layout(rect=(0, 0.95 / figure.get_figheight(), 1, 1))
-    save(figure, to)
-
-
-def draw_haptics_response(file, to):
-    """Rendered against set stiffness, and the latency of a new contact."""
-    plt = pyplot()
-    rows = [row for row in rows_of(file) if row["passivity"] == "1"]
-    surfaces = list(dict.fromkeys(row["surface"] for row in rows))
-    delays = sorted({row["delay_ms"] for row in rows}, key=float)
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.4))
-    for k, surface in enumerate(surfaces):
-        for number, delay in enumerate(delays):
-            points = sorted((float(row["set_n_per_m"]), float(row["rendered_n_per_m"]) / float(row["set_n_per_m"]))
-                            for row in rows if row["surface"] == surface and row["delay_ms"] == delay)
-            left.plot(*zip(*points), color=f"C{k}", marker=MARKERS[number], ms=4, lw=0.8,
-                      label=f"{surface}, {delay} ms")
-        points = sorted({(float(row["delay_ms"]), float(row["onset_ms"])) for row in rows
-                         if row["surface"] == surface and row["set_n_per_m"] == "800"})
-        right.plot(*zip(*points), color=f"C{k}", marker=MARKERS[k], label=surface)
-    left.axhline(1.0, color="black", lw=1)
-    left.set(xlabel="stiffness set [N/m]", ylabel="stiffness rendered / set", ylim=(0.8, 1.2))
-    right.plot([0, 50], [0, 50], color="black", lw=1, ls="--", label="the delay itself")
-    right.set(xlabel="round-trip delay [ms]", ylabel="from touch to 0.05 N [ms], at 50 mm/s")
-    right.legend(fontsize=8)
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncol=4, fontsize=7)
-    figure.tight_layout(rect=(0, 0.16, 1, 1))
     save(figure, to)
 
 
@@ -219,7 +192,7 @@ def draw_haptics_laws(file, to):
     save(figure, to)
 
 
-HAPTICS = {"stability": draw_haptics_stability, "gaps": draw_haptics_gaps, "rendered": draw_haptics_response, "laws": draw_haptics_laws}
+HAPTICS = {"stability": draw_haptics_stability, "gaps": draw_haptics_gaps, "laws": draw_haptics_laws}
 
 
 def haptics_figures(folder):

@@ -73,7 +73,7 @@ def draw_maps(rows, figure, file):
     handles = [Patch(color=colour, label=f"{letter or 'no letter'}: {fate}")
                for fate, (_, letter, colour) in reversed(FATES.items())]
     handles.append(plt_rectangle((0, 0), 1, 1))
-    handles[-1].set_label("frame: as shipped")
+    handles[-1].set_label("frame: shipped")
     sheet.tight_layout(rect=(0, 0.5 / sheet.get_figheight(), 1, 1))
     sheet.legend(handles=handles, loc="lower center", ncol=4, fontsize=8)
     save(sheet, file)

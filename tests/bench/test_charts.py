@@ -13,7 +13,6 @@ import unittest
 from pathlib import Path
 
 import plot_accuracy
-import plot_haptics
 import plot_stability
 import plotting
 from plotting import rows_of
@@ -44,14 +43,6 @@ class Charts(unittest.TestCase):
         self.assertEqual(f"1/{180 * saliva} s", plot_stability.SALIVA_STEP)
         for file in (ROOT / "deploy/data/scenarios").glob("*.yaml"):
             self.assertNotIn("substeps:", file.read_text(), f"{file.name} differs from the chart's star")
-
-    def test_every_chart_is_there(self):
-        cases = {row["case"] for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
-        self.assertEqual(cases, set(plot_accuracy.TITLES))
-        for name in [f"accuracy-{case}" for case in cases | {"all", "forces"}] + ["calibration"] + \
-                [f"haptics-{name}" for name in plot_haptics.HAPTICS] + \
-                [f"stability-{figure}" for figure in {row["figure"] for row in rows_of(CHARTS / "stability.csv")}]:
-            self.assertTrue((CHARTS / f"{name}.svg").exists(), name)
 
     def test_haptics_tables_are_written(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -135,7 +126,7 @@ class Charts(unittest.TestCase):
         published = {row["case"]: 0 for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
         self.assertEqual({row["case"] for row in rows}, set(published) - {"sphere", "blade"})
         for row in rows:
-            if row["case"] not in plot_accuracy.MEASURES:
+            if row["case"] != "lift-still":     # an absolute error: the rms speed of the tongue [mm/s]
                 self.assertLess(float(row["relative_error"]), 10.0, row)      # nothing diverges
 
     def test_compare_measures_two_builds(self):

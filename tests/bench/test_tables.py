@@ -7,7 +7,6 @@ import unittest
 from pathlib import Path
 
 from plot_accuracy import read
-from plot_bus import place
 from plotting import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,6 +24,11 @@ def table(page, heading):
     text = (ROOT / "docs" / page).read_text().split(f"\n## {heading}\n")[1].split("\n## ")[0]
     lines = [line.replace("*", "").strip("|") for line in text.splitlines() if line.startswith("|")]
     return [[cell.strip() for cell in line.split("|")] for line in lines if not line.startswith("--")]
+
+
+def place(row):
+    """The first cell of a row of the network's tables: 'shared memory', or '20 ms, 5 %'."""
+    return row["where"] if row["where"] != "link" else f"{row['delay_ms']} ms, {row['loss_percent']} %"
 
 
 class Tables(unittest.TestCase):
@@ -65,7 +69,7 @@ class Tables(unittest.TestCase):
     def test_errors_of_blocks(self):
         errors = {(row["case"], row["method"]): row["error"] for row in read(CHARTS / "accuracy.csv")
                   if (row["spacing"], row["substeps"], row["iterations"]) == (2.5, 8, 1)}
-        header, *rows = table("solver/accuracy-results.md", "Blocks")
+        header, *rows = table("solver/accuracy.md", "Blocks")
         self.assertGreaterEqual(len(rows), 6)
         for method, *cells in rows:
             for case, cell in zip(header[1:], cells):
@@ -73,7 +77,7 @@ class Tables(unittest.TestCase):
                     self.agrees(cell, 100 * errors[case, method])
 
     def test_errors_of_the_tongue(self):
-        header, *rows = table("solver/accuracy-results.md", "Tongue")
+        header, *rows = table("solver/accuracy.md", "Tongue")
         self.assertGreaterEqual(len(rows), 6)
         measured = [row for row in read(CHARTS / "accuracy.csv") if row["spacing"] == 2.0]
         for method, force, shape in rows:
@@ -123,7 +127,7 @@ class Tables(unittest.TestCase):
     def test_network(self):
         poses = self.follows("Poses", "bus-latency.csv",
                              {1: "arrived_percent", 2: "p50_us", 3: "p99_us", 4: "p99_9_us"})
-        drawn = self.follows("What is drawn", "bus-scenes.csv",
+        drawn = self.follows("Rendered states", "bus-scenes.csv",
                              dict(enumerate(("scene_ms", "proxy_p50_ms", "state_p50_ms", "drawn_p50_ms", "drawn_p99_ms",
                                              "chunks_arrived_percent", "states_whole_percent", "largest_error_p50_mm",
                                              "largest_error_p99_mm", "largest_error_max_mm"), 1)))
@@ -147,7 +151,7 @@ class Tables(unittest.TestCase):
                                      "killed", "found_no_scene"), 1)), nearest)
 
     def test_reliability(self):
-        tried = self.follows("Inputs tried", "fuzz.csv", {1: "runs", 2: "seconds", 3: "findings"}, page="reliability.md")
+        tried = self.follows("Fuzzing results", "fuzz.csv", {1: "runs", 2: "seconds", 3: "findings"}, page="reliability.md")
         for written, row in tried:
             self.assertEqual(written[0].strip("`"), row["reader"])
 
