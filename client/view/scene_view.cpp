@@ -20,43 +20,16 @@ constexpr float quaternion_unit = 32767.0f;
 // Time this far [ns] behind the newest is not a late datagram: the session restarted.
 constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
 
-Vec3f vector_of(const msg::Vec3& v) {
-    return {v.x(), v.y(), v.z()};
-}
-
-// A unit quaternion, within the tolerance of rounding and transport.
-std::optional<Quatf> unit_quaternion(float w, float x, float y, float z) {
-    const Quatf q(w, x, y, z);
-    const float norm = q.norm();
-    if (!(norm > 0.9f && norm < 1.1f)) {
-        return std::nullopt;
-    }
-    return q.normalized();
-}
-
 std::optional<FramePose> pose_of(const msg::FrameUpdate& update) {
     const auto part = [](std::int16_t value) { return static_cast<float>(value) / quaternion_unit; };
-    const auto rotation =
-        unit_quaternion(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
+    const Quatf rotation(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
     const Vec3f centre(update.x(), update.y(), update.z());
-    if (!rotation || !plausible(centre)) {
-        return std::nullopt;
-    }
-    return FramePose{centre, *rotation};
+    return is_valid_pose({rotation, centre}) ? std::optional(FramePose{centre, rotation.normalized()})
+                                             : std::nullopt;
 }
 
 bool same(const FramePose& a, const FramePose& b) {
     return a.centre == b.centre && a.rotation.coeffs() == b.rotation.coeffs();
-}
-
-std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
-    const auto& q = pose.orientation();
-    const auto rotation = unit_quaternion(q.w(), q.x(), q.y(), q.z());
-    const Vec3f position = vector_of(pose.position());
-    if (!rotation || !plausible(position)) {
-        return std::nullopt;
-    }
-    return RigidTransform::from(*rotation, position);
 }
 
 }  // namespace
@@ -205,7 +178,7 @@ bool SceneView::apply(const msg::DeformationState& message) {
         decoded_.push_back(*pose);
     }
     for (const msg::Vec3& node : message.tube_nodes()) {
-        if (!plausible(vector_of(node))) {
+        if (!bus::is_valid_point(node)) {
             return reject("eti/deformation", "impossible tube node");
         }
     }
@@ -217,13 +190,13 @@ bool SceneView::apply(const msg::DeformationState& message) {
     if (!message.tube_nodes().empty() && time >= tube_time_ns_) {
         tube_time_ns_ = time;
         const auto same_node = [](const Vec3f& known, const msg::Vec3& node) {
-            return known == vector_of(node);
+            return known == bus::from_msg(node);
         };
         // Every state repeats the nodes of a resting tube.
         if (!std::ranges::equal(tube_nodes_, message.tube_nodes(), same_node)) {
             tube_nodes_.clear();
             for (const msg::Vec3& node : message.tube_nodes()) {
-                tube_nodes_.push_back(vector_of(node));
+                tube_nodes_.push_back(bus::from_msg(node));
             }
             tube_moved_ = true;
         }
@@ -301,7 +274,7 @@ void SceneView::advance_liquid() {
 }
 
 bool SceneView::apply(const msg::ProxyState& message) {
-    const auto pose = transform_of(message.proxy());
+    const auto pose = bus::valid_pose(message.proxy());
     if (!pose) {
         return reject("eti/proxy", "impossible pose");
     }
@@ -310,7 +283,7 @@ bool SceneView::apply(const msg::ProxyState& message) {
     float force = 0.0f;
     for (const msg::ShellContact& contact : message.contacts()) {
         const Vec3f position = bus::from_msg(contact.position());
-        if (!plausible(position) || !std::isfinite(contact.force())) {
+        if (!is_valid_point(position) || !std::isfinite(contact.force())) {
             return reject("eti/proxy", "an impossible contact");
         }
         if (contact.tissue() == static_cast<std::uint32_t>(Tissue::upper_gum) && contact.force() > 0.0f) {
@@ -330,7 +303,7 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
         return false;
     }
     const auto points = keys_->landmarks(message);
-    if (!points || !std::ranges::all_of(*points, plausible)) {
+    if (!points) {
         return reject("eti/live_metrics", "landmarks that are missing or impossible");
     }
     if (!std::isfinite(message.gum_force_n()) || !std::isfinite(message.glottic_opening_percent())) {
@@ -345,12 +318,12 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     std::vector<Vec3f> contour;
     std::ranges::transform(message.glottis_contour(), std::back_inserter(contour),
                            [](const msg::Vec3& p) { return bus::from_msg(p); });
-    if (!std::ranges::all_of(contour, plausible)) {
+    if (!std::ranges::all_of(contour, [](const Vec3f& p) { return is_valid_point(p); })) {
         return reject("eti/live_metrics", "an impossible contour of the glottis");
     }
     std::optional<RigidTransform> eye;
     if (message.eye_heard()) {
-        eye = transform_of(message.eye());
+        eye = bus::valid_pose(message.eye());
         if (!eye) {
             return reject("eti/live_metrics", "an impossible eye");
         }

@@ -29,11 +29,11 @@ constexpr std::uint64_t max_simulation_ns = 1'000'000'000'000'000'000;
 
 bool is_motion(const msg::ProxyState& m) {
     // Written so that NaN is too fast too.
-    return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) &&
+    return bus::valid_pose(m.proxy()) && bus::valid_pose(m.device()) &&
            from_msg(m.velocity()).norm() < max_speed && from_msg(m.angular_velocity()).norm() < max_speed &&
            m.header().simulation_time_ns() < max_simulation_ns &&
            std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
-               return bus::is_finite(c.position()) && std::isfinite(c.force()) &&
+               return bus::is_valid_point(c.position()) && std::isfinite(c.force()) &&
                       std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
            });
 }
@@ -42,11 +42,12 @@ bool is_tissue(const msg::TissueContacts& m) {
     return from_msg(m.force()).norm() < max_force && from_msg(m.torque()).norm() < max_force &&
            std::ranges::all_of(m.contacts(),
                                [](const msg::TissueContactPoint& c) {
-                                   return bus::is_finite(c.position()) && bus::is_finite(c.rest()) &&
+                                   return bus::is_valid_point(c.position()) &&
+                                          bus::is_valid_point(c.rest()) &&
                                           from_msg(c.force()).norm() < max_force &&
                                           std::isfinite(c.radius()) && c.tissue() < tissue_count;
                                }) &&
-           bus::is_valid(m.proxy());
+           bus::valid_pose(m.proxy());
 }
 
 /// Force-weighted centre of the first `count` contacts; the mean where there is no force.
@@ -216,8 +217,8 @@ bool SceneLink::take_live() {
         return false;
     }
     const std::optional<Landmarks> landmarks = keys_->landmarks(live_);
-    if (!landmarks || !bus::is_finite(live_.tube_tip()) || !std::isfinite(live_.glottic_opening_percent()) ||
-        !std::isfinite(live_.tube_depth_past_glottis())) {
+    if (!landmarks || !bus::is_valid_point(live_.tube_tip()) ||
+        !std::isfinite(live_.glottic_opening_percent()) || !std::isfinite(live_.tube_depth_past_glottis())) {
         refused_.fetch_add(1, std::memory_order_relaxed);
         return false;
     }

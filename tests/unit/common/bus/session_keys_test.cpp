@@ -112,7 +112,7 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
         metrics.live().push_back(values.*runtime_parameter_fields[i].value);
     }
     for (std::size_t i = landmark_count; i-- > 0;) {
-        metrics.landmarks().push_back(to_msg(Vec3f(static_cast<float>(i), 0.0f, 0.0f)));
+        metrics.landmarks().push_back(to_msg(Vec3f(0.125f * static_cast<float>(i), 0.0f, 0.0f)));
     }
     const RuntimeParameters heard = keys.runtime_parameters(metrics);
     EXPECT_TRUE(std::isnan(heard.*runtime_parameter_fields[0].value)) << "the server does not have it";
@@ -120,7 +120,7 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
         EXPECT_EQ(heard.*runtime_parameter_fields[i].value, values.*runtime_parameter_fields[i].value)
             << runtime_parameter_fields[i].name;
     }
-    EXPECT_EQ(keys.landmarks(metrics).value()[3].x(), 3.0f);
+    EXPECT_EQ(keys.landmarks(metrics).value()[3].x(), 0.375f);
     metrics.landmarks().pop_back();
     EXPECT_FALSE(keys.landmarks(metrics));
     metrics.landmarks().push_back(to_msg(Vec3f(nan, 0.0f, 0.0f)));
