@@ -88,11 +88,10 @@ SceneLink::~SceneLink() {
     thread_.join();
 }
 
-std::optional<InitialScene> SceneLink::initial_scene() const {
-    const std::lock_guard lock(mutex_);
-    const bool known =
-        seen_landmarks_ && initial_scene_.blade_length > 0.0f && initial_scene_.grip_to_tip > 0.0f;
-    return known ? std::optional(initial_scene_) : std::nullopt;
+void SceneLink::post_initial_scene() {
+    if (seen_landmarks_ && initial_scene_.blade_length > 0.0f && initial_scene_.grip_to_tip > 0.0f) {
+        known_scene_.write(initial_scene_);
+    }
 }
 
 void SceneLink::run() {
@@ -226,10 +225,10 @@ bool SceneLink::take_live() {
     state_.seen.glottic_opening_percent = live_.glottic_opening_percent();
     state_.seen.tube_tip = from_msg(live_.tube_tip());
     state_.seen.tube_depth_past_glottis = live_.tube_depth_past_glottis();
-    const std::lock_guard lock(mutex_);
     initial_scene_.seen = state_.seen;
     initial_scene_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
     seen_landmarks_ = true;
+    post_initial_scene();
     return true;
 }
 
@@ -247,12 +246,10 @@ void SceneLink::take_description() {
         }
         state_.blade = keys->laryngoscope().capsules;
         state_.seen.tube_depth_rule = static_cast<float>(tube_depth_by_weight(keys->patient_weight()));
-        {
-            const std::lock_guard lock(mutex_);
-            initial_scene_.blade_length = keys->laryngoscope().blade_length;
-            initial_scene_.grip_to_tip = keys->tube().grip_from_tip;
-            initial_scene_.tube_curvature = 1.0f / keys->tube().curve_radius;
-        }
+        initial_scene_.blade_length = keys->laryngoscope().blade_length;
+        initial_scene_.grip_to_tip = keys->tube().grip_from_tip;
+        initial_scene_.tube_curvature = 1.0f / keys->tube().curve_radius;
+        post_initial_scene();
         keys_ = std::move(keys);
     }
 }

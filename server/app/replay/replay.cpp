@@ -257,7 +257,7 @@ class Replay {
         for (msg::ShownAnnotation& shown : taken.shown) {
             shown.header().simulation_time_ns(time_ns);
         }
-        output_->post_shown(std::move(taken.shown));
+        output_->post_shown(taken.shown);
     }
 
     void advance() {
@@ -318,7 +318,7 @@ class Replay {
         result.id(command.id);
         result.accepted(refusal.empty());
         result.reason(refusal);
-        output_->post_result(std::move(result));
+        output_->post_result(result);
     }
 
     /// Reason for rejection, or an empty string.
