@@ -9,24 +9,16 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "client/view/text.hpp"
 #include "common/bus/codec/convert.hpp"
 #include "common/bus/codec/fluid_state.hpp"
+#include "common/bus/codec/frame_pose.hpp"
+#include "common/model/utf8.hpp"
 
 namespace eti::view {
 namespace {
 
-constexpr float quaternion_unit = 32767.0f;
 // Time this far [ns] behind the newest is not a late datagram: the session restarted.
 constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
-
-std::optional<FramePose> pose_of(const msg::FrameUpdate& update) {
-    const auto part = [](std::int16_t value) { return static_cast<float>(value) / quaternion_unit; };
-    const Quatf rotation(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
-    const Vec3f centre(update.x(), update.y(), update.z());
-    return is_valid_pose({rotation, centre}) ? std::optional(FramePose{centre, rotation.normalized()})
-                                             : std::nullopt;
-}
 
 bool same(const FramePose& a, const FramePose& b) {
     return a.centre == b.centre && a.rotation.coeffs() == b.rotation.coeffs();
@@ -70,7 +62,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
 bool SceneView::apply(const msg::SceneDescription& message) {
     const std::string name = message.object().to_string();
     std::string why;
-    auto object = decode(message, why);
+    auto object = bus::decode_scene_object(message, why);
     if (!object) {
         return reject("eti/scene", fmt::format("object '{}': {}", name, why));
     }
@@ -78,7 +70,7 @@ bool SceneView::apply(const msg::SceneDescription& message) {
         return reject("eti/scene",
                       fmt::format("object '{}': a scene of {} objects", name, message.object_count()));
     }
-    const auto* surface = std::get_if<RestSurface>(&*object);
+    const auto* surface = std::get_if<bus::RestSurface>(&*object);
     if (surface != nullptr && !rest_centres_.empty() && surface->highest_frame >= rest_centres_.size()) {
         return reject("eti/scene", fmt::format("object '{}': frame {} of {}", name, surface->highest_frame,
                                                rest_centres_.size()));
@@ -93,8 +85,8 @@ bool SceneView::apply(const msg::SceneDescription& message) {
     return true;
 }
 
-void SceneView::keep(const std::string&, RestFrames&& object) {
-    rest_centres_ = std::move(object.rest_centre);
+void SceneView::keep(const std::string&, std::vector<Vec3f>&& rest_centres) {
+    rest_centres_ = std::move(rest_centres);
     frames_.assign(rest_centres_.size(), FramePose{});
     maps_.assign(rest_centres_.size(), FrameMap{});
     for (std::size_t f = 0; f < frames_.size(); ++f) {
@@ -119,14 +111,14 @@ void SceneView::keep(const std::string&, RestFrames&& object) {
     }
 }
 
-void SceneView::keep(const std::string& name, RestSurface&& object) {
+void SceneView::keep(const std::string& name, bus::RestSurface&& object) {
     surfaces_.erase(name);
     surfaces_.emplace(name, SkinnedSurface(std::move(object)));
     std::fill(moved_.begin(), moved_.end(), std::uint8_t{1});
     any_moved_ = !moved_.empty();
 }
 
-void SceneView::keep(const std::string&, ToolMesh&& object) {
+void SceneView::keep(const std::string&, TriangleMesh&& object) {
     laryngoscope_ = std::move(object);
 }
 
@@ -171,7 +163,7 @@ bool SceneView::apply(const msg::DeformationState& message) {
         if (usable && update.frame() >= frames_.size()) {
             return reject("eti/deformation", fmt::format("frame {} of {}", update.frame(), frames_.size()));
         }
-        const auto pose = pose_of(update);
+        const auto pose = bus::decode_frame_pose(update);
         if (!pose) {
             return reject("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
         }
@@ -351,7 +343,7 @@ bool SceneView::apply(const msg::AttemptSummary& message) {
         return false;
     }
     std::string why;
-    auto report = decode(message, *keys_, why);
+    auto report = bus::decode_attempt(message, *keys_, why);
     if (!report) {
         return reject("eti/attempt_summary", fmt::format("attempt {}: {}", message.attempt(), why));
     }
@@ -376,7 +368,7 @@ bool SceneView::apply(const msg::ShownAnnotation& message) {
         return true;
     }
     std::string why;
-    auto annotation = decode(message, why);
+    auto annotation = bus::decode_annotation(message, why);
     if (!annotation) {
         return reject("eti/shown_annotation", why);
     }
@@ -422,7 +414,7 @@ const std::map<std::string, SkinnedSurface>& SceneView::surfaces() const {
     return surfaces_;
 }
 
-const RestSurface* SceneView::rest_surface(const std::string& name) const {
+const bus::RestSurface* SceneView::rest_surface(const std::string& name) const {
     const auto found = surfaces_.find(name);
     return found == surfaces_.end() ? nullptr : &found->second.model();
 }

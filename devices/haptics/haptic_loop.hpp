@@ -79,7 +79,7 @@ class HapticCycle {
 /// poses on another thread.
 ///
 /// A DDS write takes locks and a system call and may take milliseconds on a loaded machine, so it must not
-/// run in the loop. The loop leaves the pose in a triple buffer and posts a semaphore, which never blocks.
+/// run in the loop. The loop leaves the pose in a mailbox and posts a semaphore, which never blocks.
 /// The second thread, of lower priority, wakes on it, so poses are published without added delay. When
 /// publishing is slow, poses are skipped, not queued.
 class HapticLoop final : private ServoCycle {

@@ -21,7 +21,7 @@ struct InitialScene {
     float tube_curvature = 0.0f;  ///< [1/m]
 };
 
-/// Receives the server's messages on its own thread and leaves the newest scene in a triple buffer for the
+/// Receives the server's messages on its own thread and leaves the newest scene in a mailbox for the
 /// device's loop. Non-finite messages are dropped and counted. For proxy, tissue and tube, such a message
 /// also invalidates earlier ones, so that their force ends at once.
 class SceneLink {

@@ -69,8 +69,10 @@ namespace eti::bus {
     return {from_msg(pose.orientation()), from_msg(pose.position())};
 }
 
+using eti::is_valid_point;
+
 [[nodiscard]] inline bool is_valid_point(const eti::msg::Vec3& v) {
-    return eti::is_valid_point(from_msg(v));
+    return is_valid_point(from_msg(v));
 }
 
 /// A received pose, its quaternion normalised; nullopt if it fails is_valid_pose().

@@ -180,7 +180,7 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
             return std::nullopt;
         }
         const msg::Vec3& rest = m.landmarks()[keys.landmarks_[i]].rest();
-        if (!eti::is_valid_point(from_msg(rest), longest_tool)) {
+        if (!is_valid_point(from_msg(rest), longest_tool)) {
             why = fmt::format("impossible landmark '{}'", landmark_names[i]);
             return std::nullopt;
         }

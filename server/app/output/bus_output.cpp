@@ -96,7 +96,7 @@ void BusOutput::post_shown(const std::vector<msg::ShownAnnotation>& annotations)
 }
 
 void BusOutput::post_summary(std::uint32_t attempt, const Outcome& outcome, const AttemptMetrics& metrics) {
-    push(summaries_, {attempt, outcome, metrics});
+    push(summaries_, {attempt, 0, outcome, metrics});
 }
 
 void BusOutput::finish(const StatusValues& status) {
@@ -149,14 +149,10 @@ void BusOutput::publish_events(std::uint64_t time_ns) {
     for (; const msg::ShownAnnotation* const annotation = annotations_.front(); annotations_.pop()) {
         shown_.publish(*annotation);
     }
-    for (; const Summary* const s = summaries_.front(); summaries_.pop()) {
-        msg::AttemptSummary message;
-        message.header(make_header(time_ns, ++number_));
-        message.attempt(s->attempt);
-        message.success(s->outcome.success);
-        message.reason(s->outcome.reason);
-        message.parameters(bus::to_msg(s->metrics));
-        summary_.publish(message);
+    for (; const bus::AttemptReport* const waiting = summaries_.front(); summaries_.pop()) {
+        bus::AttemptReport report = *waiting;
+        report.ended_ns = time_ns;
+        summary_.publish(bus::encode_attempt(report, ++number_));
     }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/codec/attempt_report.hpp"
 #include "common/model/pace.hpp"
 #include "common/process/threads/mailbox.hpp"
 #include "common/process/threads/spsc_queue.hpp"
@@ -66,11 +67,6 @@ class BusOutput {
         scene::Snapshot snapshot;
         StatusValues status;
     };
-    struct Summary {
-        std::uint32_t attempt = 0;
-        Outcome outcome;
-        AttemptMetrics metrics;
-    };
 
     void run();
     template <class Event>
@@ -94,7 +90,7 @@ class BusOutput {
     Mailbox<msg::LiveMetrics> newest_live_;
     Mailbox<StatusValues> newest_status_;  // posted without a step
     SpscQueue<msg::CommandResult> results_{max_waiting};
-    SpscQueue<Summary> summaries_{max_waiting};
+    SpscQueue<bus::AttemptReport> summaries_{max_waiting};
     SpscQueue<msg::ShownAnnotation> annotations_{max_waiting};
     std::counting_semaphore<> posted_{0};
     std::atomic<bool> ending_{false};
