@@ -30,7 +30,7 @@ std::string encoded(char32_t c) {
 }  // namespace
 
 void Annotator::start(const render::PickHit& at) {
-    sketch_ = view::Annotation{0, msg::ANNOTATION_STROKE, sender_, {}, at.object, {at.place}};
+    sketch_ = bus::Annotation{0, msg::ANNOTATION_STROKE, sender_, {}, at.object, {at.place}};
 }
 
 void Annotator::begin(const std::optional<render::PickHit>& at) {
@@ -66,13 +66,13 @@ void Annotator::end() {
     if (!sketch_) {
         return;
     }
-    const bool point = sketch_->places.size() == 1;
-    std::string beside;
-    if (point && words_) {
-        beside = *std::exchange(words_, std::nullopt);
-    }
-    send(point ? msg::ANNOTATION_POINT : msg::ANNOTATION_STROKE, std::move(beside), &*sketch_);
+    bus::Annotation mark = std::move(*sketch_);
     sketch_.reset();
+    if (mark.places.size() == 1) {
+        mark.kind = msg::ANNOTATION_POINT;
+        mark.text = std::exchange(words_, std::nullopt).value_or("");
+    }
+    send(mark);
 }
 
 void Annotator::press(char32_t key) {
@@ -83,7 +83,7 @@ void Annotator::press(char32_t key) {
         words_.reset();
     } else if (key == key_enter) {
         if (!words_->empty()) {
-            send(msg::ANNOTATION_NOTE, *words_, nullptr);
+            send({0, msg::ANNOTATION_NOTE, sender_, *words_, {}, {}});
         }
         words_.reset();
     } else if (key == key_backspace) {
@@ -97,25 +97,12 @@ void Annotator::press(char32_t key) {
 }
 
 void Annotator::wipe() {
-    send(msg::ANNOTATION_CLEAR, {}, nullptr);
+    send({0, msg::ANNOTATION_CLEAR, sender_, {}, {}, {}});
 }
 
-void Annotator::send(msg::AnnotationKind kind, std::string text, const view::Annotation* mark) {
-    msg::Annotation message;
+void Annotator::send(const bus::Annotation& annotation) {
+    msg::Annotation message = bus::encode_annotation(annotation);
     message.header(bus::make_header(0, ++number_));
-    message.sender(sender_);
-    message.kind(kind);
-    message.text(text);
-    if (mark != nullptr) {
-        message.object(mark->object);
-        for (const SurfacePlace& place : mark->places) {
-            msg::SurfacePlace& sent = message.places().emplace_back();
-            sent.triangle(place.triangle);
-            sent.u(place.u);
-            sent.v(place.v);
-            sent.height(place.height);
-        }
-    }
     if (!send_(message)) {
         error_ = "no server takes remarks or marks";
     }

@@ -36,17 +36,17 @@ class Annotator {
     void wipe();
 
     /// The mark being drawn, not sent yet.
-    [[nodiscard]] const std::optional<view::Annotation>& sketch() const { return sketch_; }
+    [[nodiscard]] const std::optional<bus::Annotation>& sketch() const { return sketch_; }
     /// The error since the last call; empty if none.
     [[nodiscard]] std::string take_error() { return std::exchange(error_, {}); }
 
   private:
     void start(const render::PickHit& at);
-    void send(msg::AnnotationKind kind, std::string text, const view::Annotation* mark);
+    void send(const bus::Annotation& annotation);
 
     std::string sender_;
     Send send_;
-    std::optional<view::Annotation> sketch_;
+    std::optional<bus::Annotation> sketch_;
     std::optional<std::string> words_;
     std::string error_;
     std::uint32_t number_ = 0;

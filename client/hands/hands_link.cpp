@@ -23,7 +23,6 @@ constexpr std::uint64_t longest_step_ns = 50'000'000;  // of simulation time; af
                                                        // did not move
 // Equivalent compliance of the tube's resistance: at 2 N the fingers stop pushing.
 constexpr float tube_compliance = 2e-3f;  // [m/N]
-constexpr std::size_t max_events = 1024;
 
 Overtravel overtravel_of(const msg::ProxyState& message) {
     const RigidTransform device = bus::from_msg(message.device()), proxy = bus::from_msg(message.proxy());
@@ -78,18 +77,6 @@ HandsLink::~HandsLink() {
     thread_.join();
 }
 
-void HandsLink::enqueue(const Event& event) {
-    const std::scoped_lock lock(mutex_);
-    if (events_.size() < max_events) {
-        events_.push_back(event);
-    }
-}
-
-HandsState HandsLink::state() const {
-    const std::scoped_lock lock(mutex_);
-    return state_;
-}
-
 void HandsLink::run() {
     // Runs for microseconds: behind the renderer it would wait until the hand is considered silent.
     if (const std::string refused = set_real_time_priority(priority::loop); !refused.empty()) {
@@ -132,25 +119,23 @@ void HandsLink::cycle() {
     const std::uint64_t now_ns = seen_.simulation_time_ns();
     const std::uint64_t passed = now_ns > time_ns_ ? std::min(now_ns - time_ns_, longest_step_ns) : 0;
     time_ns_ = now_ns;
-    std::vector<Event> events;
-    {
-        const std::scoped_lock lock(mutex_);
-        events.swap(events_);
-    }
     if (!seen_.keys() || !seen_.metrics()) {
+        while (events_.front() != nullptr) {
+            events_.pop();
+        }
         return;
     }
     if (!hands_) {
         hands_.emplace(seen_.keys()->laryngoscope(), seen_.keys()->tube(), seen_.landmarks());
     }
     const float dt = 1e-9f * static_cast<float>(passed);
-    for (const Event& event : events) {
-        if (const auto* const press = std::get_if<Press>(&event)) {
+    for (; const Event* const event = events_.front(); events_.pop()) {
+        if (const auto* const press = std::get_if<Press>(event)) {
             (void)hands_->press(press->key);
-        } else if (const auto* const release = std::get_if<Release>(&event)) {
+        } else if (const auto* const release = std::get_if<Release>(event)) {
             hands_->release(release->key);
         } else {
-            hands_->drag(std::get<HandDrag>(event), seen_.landmarks());
+            hands_->drag(std::get<HandDrag>(*event), seen_.landmarks());
         }
     }
     if (++cycles_seen_ == cycles_before_writing && blade_writer_.has_ownership() &&
@@ -165,16 +150,17 @@ void HandsLink::cycle() {
         blade_writer_.write(hands_->held(Tool::laryngoscope).pose(), false, now_ns);
         tube_writer_.write(hands_->held(Tool::tube).pose(), false, now_ns);
     }
-    const std::scoped_lock lock(mutex_);
-    state_.holding = cycles_seen_ > cycles_before_writing;
-    state_.chosen = hands_->chosen();
-    state_.owned = {!blade_writer_.ownership_lost(), !tube_writer_.ownership_lost()};
-    state_.held_back = share_of(hands_->chosen() == Tool::tube ? tube_overtravel_ : blade_overtravel_);
-    state_.poses = {blade_writer_.written(), tube_writer_.written()};
+    HandsState& state = newest_state_.draft();
+    state.holding = cycles_seen_ > cycles_before_writing;
+    state.chosen = hands_->chosen();
+    state.owned = {!blade_writer_.ownership_lost(), !tube_writer_.ownership_lost()};
+    state.held_back = share_of(hands_->chosen() == Tool::tube ? tube_overtravel_ : blade_overtravel_);
+    state.poses = {blade_writer_.written(), tube_writer_.written()};
     if (play_) {
-        state_.played = play_->finished();
-        state_.view = play_->view();
+        state.played = play_->finished();
+        state.view = play_->view();
     }
+    newest_state_.post();
 }
 
 }  // namespace eti::hands

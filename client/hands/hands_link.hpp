@@ -5,17 +5,17 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string_view>
 #include <thread>
 #include <variant>
-#include <vector>
 
 #include "client/hands/hand_playback.hpp"
 #include "client/hands/hands.hpp"
 #include "client/view/scene_view.hpp"
 #include "common/bus/bus.hpp"
+#include "common/process/threads/mailbox.hpp"
+#include "common/process/threads/spsc_queue.hpp"
 
 namespace eti::hands {
 
@@ -60,10 +60,11 @@ class HandsLink {
     HandsLink(const HandsLink&) = delete;
     HandsLink& operator=(const HandsLink&) = delete;
 
-    void press(char32_t key) { enqueue(Press{key}); }
-    void release(char32_t key) { enqueue(Release{key}); }
-    void drag(const HandDrag& drag) { enqueue(drag); }
-    [[nodiscard]] HandsState state() const;
+    /// The following from one thread. Events beyond max_events between two cycles are ignored.
+    void press(char32_t key) { (void)events_.push(Press{key}); }
+    void release(char32_t key) { (void)events_.push(Release{key}); }
+    void drag(const HandDrag& drag) { (void)events_.push(drag); }
+    [[nodiscard]] const HandsState& state() const { return newest_state_.newest(); }
 
   private:
     struct Press {
@@ -74,7 +75,6 @@ class HandsLink {
     };
     using Event = std::variant<Press, Release, HandDrag>;
 
-    void enqueue(const Event& event);
     void run();
     void cycle();
     void receive_messages();
@@ -97,9 +97,9 @@ class HandsLink {
     std::uint64_t time_ns_ = 0;
     int cycles_seen_ = 0;
 
-    mutable std::mutex mutex_;
-    std::vector<Event> events_;
-    HandsState state_;
+    static constexpr std::size_t max_events = 1024;
+    SpscQueue<Event> events_{max_events};
+    mutable Mailbox<HandsState> newest_state_;
     std::atomic<bool> ending_{false};
     std::thread thread_;
 };

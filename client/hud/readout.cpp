@@ -26,7 +26,7 @@ constexpr std::array shown{&AttemptMetrics::time_s, &AttemptMetrics::gum_force_m
                            &AttemptMetrics::glottic_opening_max_percent,
                            &AttemptMetrics::tube_depth_at_lip_cm, &AttemptMetrics::tube_depth_rule_cm};
 
-Verdict verdict_of(const view::AttemptReport& report) {
+Verdict verdict_of(const bus::AttemptReport& report) {
     Verdict verdict;
     const Outcome& outcome = report.outcome;
     verdict.level = !outcome.known ? Level::neutral : outcome.success ? Level::good : Level::bad;
@@ -58,7 +58,7 @@ std::optional<Verdict> verdict_now(const view::SceneView& scene, const Readout& 
 }
 
 std::string note_now(const view::SceneView& scene) {
-    const view::Annotation* newest = nullptr;
+    const bus::Annotation* newest = nullptr;
     for (const auto& [slot, annotation] : scene.annotations()) {
         if (annotation.kind == msg::ANNOTATION_NOTE &&
             (newest == nullptr || annotation.time_ns >= newest->time_ns)) {

@@ -160,7 +160,7 @@ Vec3f cut_colour(Tissue tissue) {
     }
 }
 
-SurfaceAppearance surface_appearance(const view::RestSurface& surface, const Landmarks& rest) {
+SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
     std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);

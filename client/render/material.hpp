@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/view/scene_object.hpp"
+#include "common/bus/codec/scene_object.hpp"
 #include "common/model/landmark.hpp"
 #include "common/model/tissue.hpp"
 
@@ -38,6 +38,6 @@ struct SurfaceAppearance {
 /// Computes vertex colours: tissues blended across their borders, skin distinguished from mucosa by sky
 /// visibility, pearly vocal cords, slight mottling. Baked once per scene, because noise in the fragment
 /// shader doubles the cost of a picture on a software rasteriser.
-[[nodiscard]] SurfaceAppearance surface_appearance(const view::RestSurface& surface, const Landmarks& rest);
+[[nodiscard]] SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Landmarks& rest);
 
 }  // namespace eti::render

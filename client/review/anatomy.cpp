@@ -196,7 +196,7 @@ ordered_json tools_json(const session::SessionReader& reader, const session::Sce
     std::vector<float> laryngoscope, tube;
     for (std::size_t i = 0; i < steps.size(); i += stride) {
         const session::StepRecord& step = steps[i];
-        if (!is_rigid(step.proxy) || step.tube_nodes.size() != scene.tube_nodes ||
+        if (!is_valid_pose(step.proxy) || step.tube_nodes.size() != scene.tube_nodes ||
             !std::ranges::all_of(step.tube_nodes, [](const Vec3f& node) { return node.allFinite(); })) {
             continue;
         }

@@ -11,12 +11,12 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "client/sound/tones.hpp"
+#include "common/process/threads/mailbox.hpp"
 
 namespace eti::sound {
 namespace {
@@ -71,12 +71,7 @@ struct Player::Impl {
         while (!ending) {
             std::this_thread::sleep_for(period);
             const auto now = std::chrono::steady_clock::now();
-            Cue heard;
-            {
-                const std::scoped_lock lock(mutex);
-                heard = cue;
-            }
-            play(scheduler.advance(std::chrono::duration<double>(now - last).count(), heard));
+            play(scheduler.advance(std::chrono::duration<double>(now - last).count(), cue.newest()));
             last = now;
         }
     }
@@ -112,8 +107,7 @@ struct Player::Impl {
     ALuint clicked = 0, sucking = 0;
     bool sucks = false;
     SoundScheduler scheduler;
-    std::mutex mutex;
-    Cue cue;
+    Mailbox<Cue> cue;
     std::atomic<bool> ending{false};
     std::thread thread;
 };
@@ -138,8 +132,7 @@ std::unique_ptr<Player> Player::open(float volume) {
 }
 
 void Player::set_cue(const Cue& cue) {
-    const std::scoped_lock lock(impl_->mutex);
-    impl_->cue = cue;
+    impl_->cue.write(cue);
 }
 
 }  // namespace eti::sound

@@ -2,46 +2,10 @@
 // Copyright the NeoETI authors
 #include "client/view/annotations.hpp"
 
-#include <algorithm>
-#include <array>
-
-#include <fmt/format.h>
-
 #include "client/view/scene_view.hpp"
-#include "client/view/text.hpp"
 #include "common/model/tools/blade_clearance_deformer.hpp"
 
 namespace eti::view {
-
-std::optional<Annotation> decode(const msg::ShownAnnotation& message, std::string& why) {
-    const msg::Annotation& sent = message.what();
-    Annotation out{message.header().simulation_time_ns(),
-                   sent.kind(),
-                   sent.sender().to_string(),
-                   sent.text().to_string(),
-                   sent.object().to_string(),
-                   {}};
-    if (!std::ranges::all_of(std::array{out.sender, out.text, out.object}, printable)) {
-        why = "a text with control characters";
-        return std::nullopt;
-    }
-    for (const msg::SurfacePlace& place : sent.places()) {
-        out.places.push_back({place.triangle(), place.u(), place.v(), place.height()});
-        if (!out.places.back().is_valid()) {
-            why = "a place that is not on its triangle";
-            return std::nullopt;
-        }
-    }
-    const std::size_t places = out.places.size();
-    const bool fits = out.kind == msg::ANNOTATION_POINT    ? places == 1
-                      : out.kind == msg::ANNOTATION_STROKE ? places >= 2
-                                                           : true;
-    if (!fits) {
-        why = fmt::format("{} places", places);
-        return std::nullopt;
-    }
-    return out;
-}
 
 std::optional<Vec3f> current_position(const SceneView& scene, const std::string& object,
                                       const SurfacePlace& place) {
@@ -52,15 +16,15 @@ std::optional<Vec3f> current_position(const SceneView& scene, const std::string&
         const auto& [a, b, c] = mesh.triangles[place.triangle];
         return point_at(place, corner(a), corner(b), corner(c));
     };
-    if (object == laryngoscope_object) {
+    if (object == bus::laryngoscope_object) {
         if (!scene.laryngoscope() || !scene.laryngoscope_pose()) {
             return std::nullopt;
         }
-        const TriangleMesh& mesh = scene.laryngoscope()->mesh;
+        const TriangleMesh& mesh = *scene.laryngoscope();
         return at(mesh,
                   [&](std::uint32_t v) -> Vec3f { return *scene.laryngoscope_pose() * mesh.vertices[v]; });
     }
-    const RestSurface* const surface = scene.rest_surface(object);
+    const bus::RestSurface* const surface = scene.rest_surface(object);
     if (surface == nullptr || scene.frame_maps().size() <= surface->highest_frame) {
         return std::nullopt;
     }

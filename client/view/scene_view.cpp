@@ -9,50 +9,19 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "client/view/text.hpp"
 #include "common/bus/codec/convert.hpp"
 #include "common/bus/codec/fluid_state.hpp"
+#include "common/bus/codec/frame_pose.hpp"
+#include "common/model/utf8.hpp"
 
 namespace eti::view {
 namespace {
 
-constexpr float quaternion_unit = 32767.0f;
 // Time this far [ns] behind the newest is not a late datagram: the session restarted.
 constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
 
-// A unit quaternion, within the tolerance of rounding and transport.
-std::optional<Quatf> unit_quaternion(float w, float x, float y, float z) {
-    const Quatf q(w, x, y, z);
-    const float norm = q.norm();
-    if (!(norm > 0.9f && norm < 1.1f)) {
-        return std::nullopt;
-    }
-    return q.normalized();
-}
-
-std::optional<FramePose> pose_of(const msg::FrameUpdate& update) {
-    const auto part = [](std::int16_t value) { return static_cast<float>(value) / quaternion_unit; };
-    const auto rotation =
-        unit_quaternion(part(update.qw()), part(update.qx()), part(update.qy()), part(update.qz()));
-    const Vec3f centre(update.x(), update.y(), update.z());
-    if (!rotation || !plausible(centre)) {
-        return std::nullopt;
-    }
-    return FramePose{centre, *rotation};
-}
-
 bool same(const FramePose& a, const FramePose& b) {
     return a.centre == b.centre && a.rotation.coeffs() == b.rotation.coeffs();
-}
-
-std::optional<RigidTransform> transform_of(const msg::Pose& pose) {
-    const auto& q = pose.orientation();
-    const auto rotation = unit_quaternion(q.w(), q.x(), q.y(), q.z());
-    const Vec3f position = bus::from_msg(pose.position());
-    if (!rotation || !plausible(position)) {
-        return std::nullopt;
-    }
-    return RigidTransform::from(*rotation, position);
 }
 
 }  // namespace
@@ -98,7 +67,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
 bool SceneView::apply(const msg::SceneDescription& message) {
     const std::string name = message.object().to_string();
     std::string why;
-    auto object = decode(message, why);
+    auto object = bus::decode_scene_object(message, why);
     if (!object) {
         return reject("eti/scene", fmt::format("object '{}': {}", name, why));
     }
@@ -106,7 +75,7 @@ bool SceneView::apply(const msg::SceneDescription& message) {
         return reject("eti/scene",
                       fmt::format("object '{}': a scene of {} objects", name, message.object_count()));
     }
-    const auto* surface = std::get_if<RestSurface>(&*object);
+    const auto* surface = std::get_if<bus::RestSurface>(&*object);
     if (surface != nullptr && !rest_centres_.empty() && surface->highest_frame >= rest_centres_.size()) {
         return reject("eti/scene", fmt::format("object '{}': frame {} of {}", name, surface->highest_frame,
                                                rest_centres_.size()));
@@ -121,8 +90,8 @@ bool SceneView::apply(const msg::SceneDescription& message) {
     return true;
 }
 
-void SceneView::keep(const std::string&, RestFrames&& object) {
-    rest_centres_ = std::move(object.rest_centre);
+void SceneView::keep(const std::string&, std::vector<Vec3f>&& rest_centres) {
+    rest_centres_ = std::move(rest_centres);
     frames_.assign(rest_centres_.size(), FramePose{});
     maps_.assign(rest_centres_.size(), FrameMap{});
     for (std::size_t f = 0; f < frames_.size(); ++f) {
@@ -147,14 +116,14 @@ void SceneView::keep(const std::string&, RestFrames&& object) {
     }
 }
 
-void SceneView::keep(const std::string& name, RestSurface&& object) {
+void SceneView::keep(const std::string& name, bus::RestSurface&& object) {
     surfaces_.erase(name);
     surfaces_.emplace(name, SkinnedSurface(std::move(object)));
     std::fill(moved_.begin(), moved_.end(), std::uint8_t{1});
     any_moved_ = !moved_.empty();
 }
 
-void SceneView::keep(const std::string&, ToolMesh&& object) {
+void SceneView::keep(const std::string&, TriangleMesh&& object) {
     laryngoscope_ = std::move(object);
 }
 
@@ -199,14 +168,14 @@ bool SceneView::apply(const msg::DeformationState& message) {
         if (usable && update.frame() >= frames_.size()) {
             return reject("eti/deformation", fmt::format("frame {} of {}", update.frame(), frames_.size()));
         }
-        const auto pose = pose_of(update);
+        const auto pose = bus::decode_frame_pose(update);
         if (!pose) {
             return reject("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
         }
         decoded_.push_back(*pose);
     }
     for (const msg::Vec3& node : message.tube_nodes()) {
-        if (!plausible(bus::from_msg(node))) {
+        if (!bus::is_valid_point(node)) {
             return reject("eti/deformation", "impossible tube node");
         }
     }
@@ -302,7 +271,7 @@ void SceneView::advance_liquid() {
 }
 
 bool SceneView::apply(const msg::ProxyState& message) {
-    const auto pose = transform_of(message.proxy());
+    const auto pose = bus::valid_pose(message.proxy());
     if (!pose) {
         return reject("eti/proxy", "impossible pose");
     }
@@ -311,7 +280,7 @@ bool SceneView::apply(const msg::ProxyState& message) {
     float force = 0.0f;
     for (const msg::ShellContact& contact : message.contacts()) {
         const Vec3f position = bus::from_msg(contact.position());
-        if (!plausible(position) || !std::isfinite(contact.force())) {
+        if (!is_valid_point(position) || !std::isfinite(contact.force())) {
             return reject("eti/proxy", "an impossible contact");
         }
         if (contact.tissue() == static_cast<std::uint32_t>(Tissue::upper_gum) && contact.force() > 0.0f) {
@@ -331,7 +300,7 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
         return false;
     }
     const auto points = keys_->landmarks(message);
-    if (!points || !std::ranges::all_of(*points, plausible)) {
+    if (!points) {
         return reject("eti/live_metrics", "landmarks that are missing or impossible");
     }
     const LiveMeasures measures = keys_->measures(message);
@@ -350,12 +319,12 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     std::vector<Vec3f> contour;
     std::ranges::transform(message.glottis_contour(), std::back_inserter(contour),
                            [](const msg::Vec3& p) { return bus::from_msg(p); });
-    if (!std::ranges::all_of(contour, plausible)) {
+    if (!std::ranges::all_of(contour, [](const Vec3f& p) { return is_valid_point(p); })) {
         return reject("eti/live_metrics", "an impossible contour of the glottis");
     }
     std::optional<RigidTransform> eye;
     if (message.eye_heard()) {
-        eye = transform_of(message.eye());
+        eye = bus::valid_pose(message.eye());
         if (!eye) {
             return reject("eti/live_metrics", "an impossible eye");
         }
@@ -384,7 +353,7 @@ bool SceneView::apply(const msg::AttemptSummary& message) {
         return false;
     }
     std::string why;
-    auto report = decode(message, *keys_, why);
+    auto report = bus::decode_attempt(message, *keys_, why);
     if (!report) {
         return reject("eti/attempt_summary", fmt::format("attempt {}: {}", message.attempt(), why));
     }
@@ -409,7 +378,7 @@ bool SceneView::apply(const msg::ShownAnnotation& message) {
         return true;
     }
     std::string why;
-    auto annotation = decode(message, why);
+    auto annotation = bus::decode_annotation(message, why);
     if (!annotation) {
         return reject("eti/shown_annotation", why);
     }
@@ -455,7 +424,7 @@ const std::map<std::string, SkinnedSurface>& SceneView::surfaces() const {
     return surfaces_;
 }
 
-const RestSurface* SceneView::rest_surface(const std::string& name) const {
+const bus::RestSurface* SceneView::rest_surface(const std::string& name) const {
     const auto found = surfaces_.find(name);
     return found == surfaces_.end() ? nullptr : &found->second.model();
 }

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "client/view/annotations.hpp"
-#include "client/view/attempt_report.hpp"
 #include "client/view/liquid/liquid_detail.hpp"
-#include "client/view/scene_object.hpp"
 #include "client/view/skinned_surface.hpp"
 #include "client/view/tube_sweep.hpp"
+#include "common/bus/codec/attempt_report.hpp"
+#include "common/bus/codec/scene_object.hpp"
 #include "common/bus/security/session_keys.hpp"
 #include "common/mesh/skinning.hpp"
 #include "common/model/landmark.hpp"
@@ -53,8 +53,8 @@ class SceneView {
     /// instead.
     [[nodiscard]] const std::map<std::string, SkinnedSurface>& surfaces() const;
     /// A surface as described, or nullptr.
-    [[nodiscard]] const RestSurface* rest_surface(const std::string& name) const;
-    [[nodiscard]] const std::optional<ToolMesh>& laryngoscope() const { return laryngoscope_; }
+    [[nodiscard]] const bus::RestSurface* rest_surface(const std::string& name) const;
+    [[nodiscard]] const std::optional<TriangleMesh>& laryngoscope() const { return laryngoscope_; }
     [[nodiscard]] const std::optional<RigidTransform>& laryngoscope_pose() const {
         return laryngoscope_pose_;
     }
@@ -100,9 +100,9 @@ class SceneView {
     [[nodiscard]] const Annotations& annotations() const { return annotations_; }
     [[nodiscard]] const std::optional<msg::SessionStatus>& status() const { return status_; }
     /// Outcome of the newest attempt of this run.
-    [[nodiscard]] const std::optional<AttemptReport>& attempt_report() const { return attempt_report_; }
+    [[nodiscard]] const std::optional<bus::AttemptReport>& attempt_report() const { return attempt_report_; }
     /// Outcome of the whole run, once it has ended.
-    [[nodiscard]] const std::optional<AttemptReport>& run_report() const { return run_report_; }
+    [[nodiscard]] const std::optional<bus::AttemptReport>& run_report() const { return run_report_; }
     /// Newest simulation time [ns] received on any topic of the scene's state.
     [[nodiscard]] std::uint64_t simulation_time_ns() const { return simulation_time_ns_; }
     /// Revision counter; changes whenever an object of the scene is added or replaced.
@@ -123,9 +123,9 @@ class SceneView {
 
     /// Counts the message; logs at most once a second, so that no sender floods the log. Returns false.
     bool reject(const char* topic, const std::string& why);
-    void keep(const std::string& name, RestFrames&& object);
-    void keep(const std::string& name, RestSurface&& object);
-    void keep(const std::string& name, ToolMesh&& object);
+    void keep(const std::string& name, std::vector<Vec3f>&& rest_centres);
+    void keep(const std::string& name, bus::RestSurface&& object);
+    void keep(const std::string& name, TriangleMesh&& object);
     void clear_scene();
     void note_time(std::uint64_t time_ns);
     void advance_liquid();
@@ -152,7 +152,7 @@ class SceneView {
     mutable std::map<std::string, SkinnedSurface> surfaces_;
     mutable std::vector<std::uint8_t> unskinned_;  ///< by frame: moved since shapes were last computed
     mutable bool any_unskinned_ = false;
-    std::optional<ToolMesh> laryngoscope_;
+    std::optional<TriangleMesh> laryngoscope_;
     std::optional<RigidTransform> laryngoscope_pose_;
     std::optional<TubeSweep> tube_;
     std::vector<Vec3f> tube_nodes_;
@@ -178,8 +178,8 @@ class SceneView {
     LiveMeasures measures_;
     RuntimeParameters live_;
     std::optional<msg::SessionStatus> status_;
-    std::optional<AttemptReport> attempt_report_;
-    std::optional<AttemptReport> run_report_;
+    std::optional<bus::AttemptReport> attempt_report_;
+    std::optional<bus::AttemptReport> run_report_;
     std::uint64_t simulation_time_ns_ = 0;
     std::uint64_t dropped_ = 0;
     std::chrono::steady_clock::time_point last_drop_line_{};

@@ -17,7 +17,7 @@ Vec3f unit(const Vec3f& normal) {
 
 // Entries without weight name a frame that has weight, so that a test for moved frames need not check
 // weights.
-std::shared_ptr<const RestSurface> with_used_frames(RestSurface model) {
+std::shared_ptr<const bus::RestSurface> with_used_frames(bus::RestSurface model) {
     for (SkinWeights& skin : model.skin) {
         const auto heaviest = std::ranges::max_element(skin.weight) - skin.weight.begin();
         for (std::size_t k = 0; k < frames_per_point; ++k) {
@@ -26,7 +26,7 @@ std::shared_ptr<const RestSurface> with_used_frames(RestSurface model) {
             }
         }
     }
-    return std::make_shared<const RestSurface>(std::move(model));
+    return std::make_shared<const bus::RestSurface>(std::move(model));
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void recompute_normals(std::span<const Triangle> triangles, std::span<LitVertex>
     }
 }
 
-SkinnedSurface::SkinnedSurface(RestSurface model)
+SkinnedSurface::SkinnedSurface(bus::RestSurface model)
     : model_(with_used_frames(std::move(model))),
       vertices_(model_->mesh.vertices.size()),
       moved_(vertices_.size()),

@@ -22,7 +22,7 @@ Wrench coupling_wrench(const Motion& device, const Motion& proxy, const Coupling
 }
 
 Wrench clamp_to_limits(const Wrench& wrench, const CouplingSettings& settings) {
-    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) {
+    if (!wrench.is_finite()) {
         return {};
     }
     return {shortened(wrench.force, settings.force_limit), shortened(wrench.torque, settings.torque_limit)};

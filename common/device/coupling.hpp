@@ -10,6 +10,8 @@ namespace eti {
 struct Wrench {
     Vec3f force = Vec3f::Zero();
     Vec3f torque = Vec3f::Zero();
+
+    [[nodiscard]] bool is_finite() const { return force.allFinite() && torque.allFinite(); }
 };
 
 /// Pose with linear [m/s] and angular [rad/s] velocity of the tool's origin.

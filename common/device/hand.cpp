@@ -31,7 +31,7 @@ HandDevice::HandDevice(const HandSettings& settings, const RigidTransform& start
 
 void HandDevice::step(const RigidTransform& wanted, const Wrench& wrench, float dt) {
     // A single invalid sample must not corrupt the state permanently.
-    if (!(dt > 0.0f) || !is_rigid(wanted) || !wrench.force.allFinite() || !wrench.torque.allFinite()) {
+    if (!(dt > 0.0f) || !is_valid_pose(wanted) || !wrench.is_finite()) {
         return;
     }
     const HandSettings& s = settings_;

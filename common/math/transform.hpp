@@ -48,9 +48,19 @@ struct RigidTransform {
     return {a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)};
 }
 
-/// Whether all numbers are finite and the quaternion's norm is within 1e-2 of one.
-[[nodiscard]] inline bool is_rigid(const RigidTransform& pose) {
-    return pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0f) < 1e-2f;
+/// Coordinates at least this far [m] from the patient's gum are corrupt.
+inline constexpr float max_coordinate = 10.0f;
+
+/// Whether a point is finite and less than `max_distance` [m] from the origin.
+[[nodiscard]] inline bool is_valid_point(const Vec3f& point, float max_distance = max_coordinate) {
+    return point.norm() < max_distance;  // false for NaN
+}
+
+/// Whether a pose can be used: its origin is a valid point and its quaternion's norm is within 1e-3 of one.
+/// Components rounded to three decimals change the norm by at most 1e-3, to 16 bits by 3e-5. A norm off by
+/// 1e-3 scales lengths by 0.2 %, a blade of 0.1 m by 0.2 mm.
+[[nodiscard]] inline bool is_valid_pose(const RigidTransform& pose, float max_distance = max_coordinate) {
+    return is_valid_point(pose.translation, max_distance) && std::abs(pose.rotation.norm() - 1.0f) < 1e-3f;
 }
 
 /// Rotation vector (axis times angle, rad, angle in [0, pi]) of a unit quaternion.

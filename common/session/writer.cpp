@@ -9,16 +9,15 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <csignal>
-#include <mutex>
 #include <optional>
+#include <semaphore>
 #include <thread>
 
 #include "common/hdf5/file.hpp"
+#include "common/process/threads/spsc_queue.hpp"
 #include "common/session/layout.hpp"
 #include "common/session/repair/recording_lock.hpp"
-#include "common/session/repair/spsc_ring_buffer.hpp"
 #include "common/session/repair/tail.hpp"
 #include "common/session/scene_file.hpp"
 #include "common/session/table.hpp"
@@ -71,7 +70,7 @@ struct SessionWriter::Impl {
     void warn_of_deletion();
 
     template <class T>
-    bool push(SpscRingBuffer<T>& ring, const T& record) {
+    bool push(SpscQueue<T>& ring, const T& record) {
         while (!has_failed.load(std::memory_order_relaxed)) {
             if (ring.push(record)) {
                 return true;
@@ -89,14 +88,14 @@ struct SessionWriter::Impl {
     Settings settings;
     std::size_t tube_nodes;
 
-    SpscRingBuffer<StepRecord> steps;
-    SpscRingBuffer<CommandRecord> commands;
-    SpscRingBuffer<StateRecord> states;
-    SpscRingBuffer<DeformationRecord> deformations;
-    SpscRingBuffer<FluidRecord> fluids;
-    SpscRingBuffer<EventRecord> events;
-    SpscRingBuffer<AnnotationRecord> annotations;
-    SpscRingBuffer<SummaryRecord> summaries;
+    SpscQueue<StepRecord> steps;
+    SpscQueue<CommandRecord> commands;
+    SpscQueue<StateRecord> states;
+    SpscQueue<DeformationRecord> deformations;
+    SpscQueue<FluidRecord> fluids;
+    SpscQueue<EventRecord> events;
+    SpscQueue<AnnotationRecord> annotations;
+    SpscQueue<SummaryRecord> summaries;
 
     // Used only by the writer's thread once it runs.
     hdf5::File file;
@@ -127,9 +126,7 @@ struct SessionWriter::Impl {
     std::atomic<bool> has_failed{false};
     bool closed = false;
 
-    std::mutex mutex;
-    std::condition_variable wake;
-    bool stop = false;
+    std::binary_semaphore stop{0};
     std::thread thread;
 };
 
@@ -184,10 +181,7 @@ void SessionWriter::Impl::run() {
     pthread_sigmask(SIG_BLOCK, &all, nullptr);
     hdf5::prepare_thread();
     for (bool last = false, more = false; !last || more;) {
-        {
-            std::unique_lock lock(mutex);
-            last = wake.wait_for(lock, more ? 0ms : poll, [this] { return stop; });
-        }
+        last = last || stop.try_acquire_for(more ? 0ms : poll);
         drain();
         more = false;
         if (has_failed) {
@@ -395,11 +389,7 @@ bool SessionWriter::failed() const {
 bool SessionWriter::close() {
     if (!impl_->closed) {
         impl_->closed = true;
-        {
-            const std::lock_guard lock(impl_->mutex);
-            impl_->stop = true;
-        }
-        impl_->wake.notify_one();
+        impl_->stop.release();
         impl_->thread.join();
     }
     return !failed() && lost() == 0;

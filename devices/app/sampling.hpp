@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
+#include "common/process/threads/mailbox.hpp"
 #include "devices/sensor/sensor_monitor.hpp"
-#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -30,7 +30,7 @@ class ServoReading final : private ServoCycle {
     void servo_cycle() noexcept override;
 
     SensorMonitor& watch_;
-    TripleBuffer<Reading> newest_;
+    Mailbox<Reading> newest_;
     std::int64_t last_ = 0;  // [ns], CLOCK_MONOTONIC, of the last cycle
     bool on_servo_;
 };

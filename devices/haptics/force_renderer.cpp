@@ -22,10 +22,6 @@ Wrench scaled(const Wrench& wrench, float by) {
     return {by * wrench.force, by * wrench.torque};
 }
 
-bool finite(const Wrench& wrench) {
-    return wrench.force.allFinite() && wrench.torque.allFinite();
-}
-
 }  // namespace
 
 ForceRenderer::ForceRenderer(const RenderSettings& settings)
@@ -130,7 +126,7 @@ Wrench ForceRenderer::cycle(const Motion& device, const SceneState& scene, std::
         const Wrench rigid = rigid_wrench(device, *proxy);
         const Wrench soft = soft_wrench(scene, proxy->pose, dt, returned);
         const Wrench sum = for_device(rigid, soft, device, scene);
-        if (!finite(sum)) {
+        if (!sum.is_finite()) {
             ++not_finite_;
             release();
             return {};

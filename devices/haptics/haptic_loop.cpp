@@ -28,7 +28,7 @@ double SimulationTime::at(const SceneState& scene, std::int64_t now) {
     return last_;
 }
 
-HapticCycle::HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings)
+HapticCycle::HapticCycle(Sensor& sensor, Mailbox<SceneState>& scene, const RenderSettings& settings)
     : sensor_(sensor), scene_(scene), renderer_(settings), device_(sensor.exchange({}, 0.0f)) {}
 
 std::optional<OutgoingPose> HapticCycle::run(std::int64_t now, bool stop) {
@@ -74,7 +74,7 @@ std::optional<OutgoingPose> HapticCycle::run(std::int64_t now, bool stop) {
     return OutgoingPose{device_.motion.pose, device_.buttons, static_cast<std::uint64_t>(seen_.time * 1e9)};
 }
 
-HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
+HapticLoop::HapticLoop(bus::Node& node, Sensor& sensor, Mailbox<SceneState>& scene,
                        const RenderSettings& settings)
     : sensor_(sensor),
       cycle_(sensor, scene, settings),

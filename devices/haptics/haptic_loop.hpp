@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "common/bus/bus.hpp"
+#include "common/process/threads/mailbox.hpp"
 #include "devices/haptics/force_renderer.hpp"
 #include "devices/haptics/timing.hpp"
 #include "devices/sensor/sensor.hpp"
-#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -53,7 +53,7 @@ struct HapticRecord {
 /// exchange it for the device's pose, and leave the pose for the bus. Needs no thread and reads no clock.
 class HapticCycle {
   public:
-    HapticCycle(Sensor& sensor, TripleBuffer<SceneState>& scene, const RenderSettings& settings);
+    HapticCycle(Sensor& sensor, Mailbox<SceneState>& scene, const RenderSettings& settings);
 
     /// `now` [ns, CLOCK_MONOTONIC], non-decreasing. `stop`: zero force regardless of the scene. Returns the
     /// pose to publish; nullopt while no device is present.
@@ -65,7 +65,7 @@ class HapticCycle {
 
   private:
     Sensor& sensor_;
-    TripleBuffer<SceneState>& scene_;
+    Mailbox<SceneState>& scene_;
     ForceRenderer renderer_;
     SimulationTime time_;
     Observation seen_;
@@ -79,15 +79,14 @@ class HapticCycle {
 /// poses on another thread.
 ///
 /// A DDS write takes locks and a system call and may take milliseconds on a loaded machine, so it must not
-/// run in the loop. The loop leaves the pose in a triple buffer and posts a semaphore, which never blocks.
+/// run in the loop. The loop leaves the pose in a mailbox and posts a semaphore, which never blocks.
 /// The second thread, of lower priority, wakes on it, so poses are published without added delay. When
 /// publishing is slow, poses are skipped, not queued.
 class HapticLoop final : private ServoCycle {
   public:
     static constexpr std::int64_t period_ns = 1'000'000;
 
-    HapticLoop(bus::Node& node, Sensor& sensor, TripleBuffer<SceneState>& scene,
-               const RenderSettings& settings);
+    HapticLoop(bus::Node& node, Sensor& sensor, Mailbox<SceneState>& scene, const RenderSettings& settings);
     ~HapticLoop() override;
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
@@ -119,7 +118,7 @@ class HapticLoop final : private ServoCycle {
     Sensor& sensor_;
     HapticCycle cycle_;
     bus::Publisher<msg::ToolPose> topic_;
-    TripleBuffer<OutgoingPose> outgoing_;
+    Mailbox<OutgoingPose> outgoing_;
     std::counting_semaphore<> posted_{0};
     std::atomic<bool> ending_{false}, emergency_stop_{false};
     std::atomic<float> force_{0.0f};

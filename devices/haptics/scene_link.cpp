@@ -29,11 +29,11 @@ constexpr std::uint64_t max_simulation_ns = 1'000'000'000'000'000'000;
 
 bool is_motion(const msg::ProxyState& m) {
     // Written so that NaN is too fast too.
-    return bus::is_valid(m.proxy()) && bus::is_valid(m.device()) &&
+    return bus::valid_pose(m.proxy()) && bus::valid_pose(m.device()) &&
            from_msg(m.velocity()).norm() < max_speed && from_msg(m.angular_velocity()).norm() < max_speed &&
            m.header().simulation_time_ns() < max_simulation_ns &&
            std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
-               return bus::is_finite(c.position()) && std::isfinite(c.force()) &&
+               return bus::is_valid_point(c.position()) && std::isfinite(c.force()) &&
                       std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
            });
 }
@@ -42,11 +42,12 @@ bool is_tissue(const msg::TissueContacts& m) {
     return from_msg(m.force()).norm() < max_force && from_msg(m.torque()).norm() < max_force &&
            std::ranges::all_of(m.contacts(),
                                [](const msg::TissueContactPoint& c) {
-                                   return bus::is_finite(c.position()) && bus::is_finite(c.rest()) &&
+                                   return bus::is_valid_point(c.position()) &&
+                                          bus::is_valid_point(c.rest()) &&
                                           from_msg(c.force()).norm() < max_force &&
                                           std::isfinite(c.radius()) && c.tissue() < tissue_count;
                                }) &&
-           bus::is_valid(m.proxy());
+           bus::valid_pose(m.proxy());
 }
 
 /// Force-weighted centre of the first `count` contacts; the mean where there is no force.
@@ -87,11 +88,10 @@ SceneLink::~SceneLink() {
     thread_.join();
 }
 
-std::optional<InitialScene> SceneLink::initial_scene() const {
-    const std::lock_guard lock(mutex_);
-    const bool known =
-        seen_landmarks_ && initial_scene_.blade_length > 0.0f && initial_scene_.grip_to_tip > 0.0f;
-    return known ? std::optional(initial_scene_) : std::nullopt;
+void SceneLink::post_initial_scene() {
+    if (seen_landmarks_ && initial_scene_.blade_length > 0.0f && initial_scene_.grip_to_tip > 0.0f) {
+        known_scene_.write(initial_scene_);
+    }
 }
 
 void SceneLink::run() {
@@ -217,7 +217,8 @@ bool SceneLink::take_live() {
     }
     const std::optional<Landmarks> landmarks = keys_->landmarks(live_);
     const LiveMeasures measures = keys_->measures(live_);
-    if (!landmarks || !bus::is_finite(live_.tube_tip()) || !std::isfinite(measures.glottic_opening_percent) ||
+    if (!landmarks || !bus::is_valid_point(live_.tube_tip()) ||
+        !std::isfinite(measures.glottic_opening_percent) ||
         !std::isfinite(measures.tube_depth_past_glottis)) {
         refused_.fetch_add(1, std::memory_order_relaxed);
         return false;
@@ -226,10 +227,10 @@ bool SceneLink::take_live() {
     state_.seen.glottic_opening_percent = measures.glottic_opening_percent;
     state_.seen.tube_tip = from_msg(live_.tube_tip());
     state_.seen.tube_depth_past_glottis = measures.tube_depth_past_glottis;
-    const std::lock_guard lock(mutex_);
     initial_scene_.seen = state_.seen;
     initial_scene_.seen.time = static_cast<double>(live_.header().simulation_time_ns()) * 1e-9;
     seen_landmarks_ = true;
+    post_initial_scene();
     return true;
 }
 
@@ -247,12 +248,10 @@ void SceneLink::take_description() {
         }
         state_.blade = keys->laryngoscope().capsules;
         state_.seen.tube_depth_rule = static_cast<float>(tube_depth_by_weight(keys->patient_weight()));
-        {
-            const std::lock_guard lock(mutex_);
-            initial_scene_.blade_length = keys->laryngoscope().blade_length;
-            initial_scene_.grip_to_tip = keys->tube().grip_from_tip;
-            initial_scene_.tube_curvature = 1.0f / keys->tube().curve_radius;
-        }
+        initial_scene_.blade_length = keys->laryngoscope().blade_length;
+        initial_scene_.grip_to_tip = keys->tube().grip_from_tip;
+        initial_scene_.tube_curvature = 1.0f / keys->tube().curve_radius;
+        post_initial_scene();
         keys_ = std::move(keys);
     }
 }

@@ -3,14 +3,13 @@
 #pragma once
 
 #include <atomic>
-#include <mutex>
 #include <optional>
 #include <thread>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/security/session_keys.hpp"
+#include "common/process/threads/mailbox.hpp"
 #include "devices/haptics/scene_state.hpp"
-#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -22,7 +21,7 @@ struct InitialScene {
     float tube_curvature = 0.0f;  ///< [1/m]
 };
 
-/// Receives the server's messages on its own thread and leaves the newest scene in a triple buffer for the
+/// Receives the server's messages on its own thread and leaves the newest scene in a mailbox for the
 /// device's loop. Non-finite messages are dropped and counted. For proxy, tissue and tube, such a message
 /// also invalidates earlier ones, so that their force ends at once.
 class SceneLink {
@@ -35,10 +34,10 @@ class SceneLink {
     SceneLink& operator=(const SceneLink&) = delete;
 
     /// For the thread that runs the device's loop.
-    [[nodiscard]] TripleBuffer<SceneState>& newest() { return newest_; }
+    [[nodiscard]] Mailbox<SceneState>& newest() { return newest_; }
 
-    /// Known once the scene's tools and a first set of landmarks have arrived.
-    [[nodiscard]] std::optional<InitialScene> initial_scene() const;
+    /// Known once the scene's tools and a first set of landmarks have arrived. Call from one thread.
+    [[nodiscard]] const std::optional<InitialScene>& initial_scene() const { return known_scene_.newest(); }
     [[nodiscard]] bool finished() const { return finished_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t received() const { return received_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
@@ -57,6 +56,7 @@ class SceneLink {
     bool take_live();
     void take_description();
     void take_status();
+    void post_initial_scene();
     void watch_silence(std::int64_t now);
     void measure_real_time_factor(std::uint64_t simulation_ns, std::int64_t now);
 
@@ -83,11 +83,11 @@ class SceneLink {
     std::int64_t pace_arrived_ = 0;
     std::int64_t heard_ = 0;  // arrival of the last ProxyState [ns, CLOCK_MONOTONIC]
     bool silent_ = false, frozen_ = false;
-    TripleBuffer<SceneState> newest_;
+    Mailbox<SceneState> newest_;
 
-    mutable std::mutex mutex_;  // guards the following, read at start-up only
     InitialScene initial_scene_;
     bool seen_landmarks_ = false;
+    mutable Mailbox<std::optional<InitialScene>> known_scene_;
 
     std::atomic<bool> ending_{false}, finished_{false};
     std::atomic<std::uint64_t> received_{0}, refused_{0}, outages_{0};

@@ -69,6 +69,6 @@ struct SceneState {
     std::uint32_t session = 0;       ///< counts sessions: changes when another one begins
     std::array<Capsule, 3> blade{};  ///< the laryngoscope's capsules, in its frame
 };
-static_assert(std::is_trivially_destructible_v<SceneState>, "copied into a triple buffer, never allocating");
+static_assert(std::is_trivially_destructible_v<SceneState>, "copied into a mailbox, never allocating");
 
 }  // namespace eti::devices

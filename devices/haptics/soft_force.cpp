@@ -92,7 +92,7 @@ Wrench SmoothSoftForce::update(const Wrench& wanted, std::int64_t arrived, float
     }
     left_ = over > 0.0f ? std::max(0.0f, left_ - dt / over) : 0.0f;
     last_ = {wanted.force + left_ * lacking_.force, wanted.torque + left_ * lacking_.torque};
-    if (!last_.force.allFinite() || !last_.torque.allFinite()) {
+    if (!last_.is_finite()) {
         lacking_ = {};
         const Wrench bad = last_;
         last_ = {};

@@ -8,9 +8,9 @@
 #include <mutex>
 #include <thread>
 
+#include "common/process/threads/mailbox.hpp"
 #include "devices/sensor/device_error.hpp"
 #include "devices/sensor/sensor.hpp"
-#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -65,7 +65,7 @@ class PolledSensor final : public Sensor {
     Measured measured_;  // the thread's
     RigidTransform last_pose_;
     std::int64_t measured_at_ = 0;  // [ns]; 0: no measurement yet
-    TripleBuffer<Measured> newest_;
+    Mailbox<Measured> newest_;
     std::uint64_t calls_ = 0;
     std::atomic<bool> present_{true}, ending_{false};
     mutable std::mutex mutex_;

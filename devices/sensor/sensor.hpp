@@ -26,7 +26,7 @@ struct Reading {
 
 /// Whether all numbers are finite and the rotation is valid.
 [[nodiscard]] inline bool is_motion(const Motion& motion) {
-    return is_rigid(motion.pose) && motion.velocity.allFinite() && motion.angular_velocity.allFinite();
+    return is_valid_pose(motion.pose) && motion.velocity.allFinite() && motion.angular_velocity.allFinite();
 }
 
 /// Output range of a device. Zero: none.

@@ -98,7 +98,7 @@ void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
 }
 
 void RigidLayer::reset(const RigidTransform& pose) {
-    if (is_rigid(pose)) {
+    if (is_valid_pose(pose)) {
         world_->place(pose);
     }
 }
@@ -110,7 +110,7 @@ const ProxyResult& RigidLayer::result() const {
 const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt) {
     World& w = *world_;
     const RigidTransform start = w.device;
-    const RigidTransform end = is_rigid(device_pose) ? device_pose : start;
+    const RigidTransform end = is_valid_pose(device_pose) ? device_pose : start;
     const Vec3f displacement = end.translation - start.translation;
     const Vec3f turn = rotation_vector(end.rotation * start.rotation.conjugate());
     const float reach = w.reach / to_cm;

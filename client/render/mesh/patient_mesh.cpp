@@ -80,7 +80,7 @@ void PatientMesh::build(const view::SceneView& scene) {
     std::vector<Triangle> triangles;
     for (const Layer layer : {Layer::body, Layer::organs, Layer::bones}) {
         for (const auto& [name, surface] : scene.surfaces()) {
-            const view::RestSurface& model = surface.model();
+            const bus::RestSurface& model = surface.model();
             if (layer_of(model.tissue) != layer) {
                 continue;
             }

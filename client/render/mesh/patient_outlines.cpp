@@ -53,7 +53,7 @@ void PatientOutlines::choose(const PatientMesh& patient, const view::SceneView& 
     const OutlineView outline{look.view_projection, look.eye};
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         const PatientMesh::Part& part = patient.parts()[i];
-        const view::RestSurface& model = *scene.rest_surface(part.name);
+        const bus::RestSurface& model = *scene.rest_surface(part.name);
         const std::vector<TriangleBlocks::Range> near = part.blocks.visible(
             look.view_projection, look.eye, look.plane, PatientMesh::displacement_bound(look),
             [&](const Vec3f& centre, float radius, float longest_edge) {

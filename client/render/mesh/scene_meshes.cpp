@@ -83,7 +83,7 @@ GpuMesh table_mesh(const view::SceneView& scene) {
 void SceneMeshes::rebuild(const view::SceneView& scene) {
     scene_revision_ = scene.scene_revision();
     ready_ = false;
-    std::vector<std::shared_ptr<const view::RestSurface>> models;
+    std::vector<std::shared_ptr<const bus::RestSurface>> models;
     for (const auto& [name, surface] : scene.surfaces()) {
         models.push_back(surface.shared_model());
     }
@@ -100,7 +100,7 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
     if (scene.laryngoscope()) {
         const Vec3f lamp = bulb_centre(scene.keys()->laryngoscope().blade_length);
         const CreasedMesh mesh = subdivide_long_edges(
-            creased(scene.laryngoscope()->mesh, crease_angle),
+            creased(*scene.laryngoscope(), crease_angle),
             [&](const Vec3f& at) { return std::max(shortest_edge, edge_by_distance * (at - lamp).norm()); });
         const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
         blade_.emplace(mesh.triangles, mesh.vertices, steel);

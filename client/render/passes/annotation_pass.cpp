@@ -115,14 +115,14 @@ std::vector<DrawnMark> drawn_marks(const View& view, const view::SceneView& scen
     std::vector<DrawnMark> marks;
     const LipRetraction lips = lip_retraction(from.eye.position(scene.landmarks()), scene.landmarks());
     const Eigen::Vector4f kept = from.section.plane(scene.landmarks()).kept();
-    const auto add_mark = [&](const view::Annotation& annotation) {
+    const auto add_mark = [&](const bus::Annotation& annotation) {
         DrawnMark mark{&annotation, {}};
         for (const SurfacePlace& place : annotation.places) {
             const auto where = view::current_position(scene, annotation.object, place);
             if (!where || (view.cut && kept.dot(where->homogeneous()) < -off_cut)) {
                 continue;
             }
-            const bool on_tissue = annotation.object != view::laryngoscope_object;
+            const bool on_tissue = annotation.object != bus::laryngoscope_object;
             mark.points.push_back(view.lips_retracted && on_tissue ? lips.retract_lips(*where) : *where);
         }
         if (!mark.points.empty()) {

@@ -30,7 +30,7 @@ class AnnotationPass {
 /// Marks in a view's picture [m]: strokes and single points. Those removed by a section, or on objects
 /// missing from the scene, are omitted.
 struct DrawnMark {
-    const view::Annotation* annotation;
+    const bus::Annotation* annotation;
     std::vector<Vec3f> points;
 };
 [[nodiscard]] std::vector<DrawnMark> drawn_marks(const View& view, const view::SceneView& scene,

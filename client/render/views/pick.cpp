@@ -161,7 +161,7 @@ std::optional<PickHit> pick(const View& view, const view::SceneView& scene, cons
     std::optional<PickHit> met, on_face;
     int on_top = -1;
     for (const auto& [name, surface] : scene.surfaces()) {
-        const view::RestSurface& model = surface.model();
+        const bus::RestSurface& model = surface.model();
         if (is_bone(model.tissue) && !sight->on_cut) {  // inside the body, always hidden
             continue;
         }
@@ -197,13 +197,13 @@ std::optional<PickHit> pick(const View& view, const view::SceneView& scene, cons
     }
     if (scene.laryngoscope() && scene.laryngoscope_pose()) {
         const RigidTransform& pose = *scene.laryngoscope_pose();
-        const TriangleMesh& mesh = scene.laryngoscope()->mesh;
+        const TriangleMesh& mesh = *scene.laryngoscope();
         Ray held(pose.inverse() * sight->from, pose.inverse() * ray.end());
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
             const auto& [a, b, c] = mesh.triangles[t];
             if (held.intersects(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c], true)) {
                 met = PickHit{
-                    pose * held.end(), "blade", view::laryngoscope_object, {t, held.u(), held.v(), 0.0f}};
+                    pose * held.end(), "blade", bus::laryngoscope_object, {t, held.u(), held.v(), 0.0f}};
             }
         }
     }

@@ -14,12 +14,12 @@ namespace eti::render {
 
 /// View parameters that the user sets by mouse, keys and options.
 struct Vantage {
-    Orbit orbit{};                             ///< of the observer
-    Section section{};                         ///< section plane
-    view::TraineeEye eye{};                    ///< the trainee's own
-    float fogging = 0.0f;                      ///< 0-1, initial fogging of the blade's lens
-    std::vector<Camera> headset_eyes{};        ///< the headset's eyes, left first; empty without a headset
-    std::optional<view::Annotation> sketch{};  ///< a mark being drawn, not visible to others yet
+    Orbit orbit{};                            ///< of the observer
+    Section section{};                        ///< section plane
+    view::TraineeEye eye{};                   ///< the trainee's own
+    float fogging = 0.0f;                     ///< 0-1, initial fogging of the blade's lens
+    std::vector<Camera> headset_eyes{};       ///< the headset's eyes, left first; empty without a headset
+    std::optional<bus::Annotation> sketch{};  ///< a mark being drawn, not visible to others yet
 };
 
 }  // namespace eti::render

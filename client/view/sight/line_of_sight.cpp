@@ -32,7 +32,7 @@ std::optional<Obstacle> find_obstacle(const SceneView& scene, const SightLine& s
     Ray ray(sight.from, end);
     std::string_view name;
     for (const auto& [surface_name, surface] : scene.surfaces()) {
-        const RestSurface& model = surface.model();
+        const bus::RestSurface& model = surface.model();
         if (is_bone(model.tissue)) {  // inside the body, always hidden
             continue;
         }
@@ -56,7 +56,7 @@ std::optional<Obstacle> find_obstacle(const SceneView& scene, const SightLine& s
     Vec3f where = ray.end();
     if (scene.laryngoscope() && scene.laryngoscope_pose()) {
         const RigidTransform into_tool = scene.laryngoscope_pose()->inverse();
-        const TriangleMesh& mesh = scene.laryngoscope()->mesh;
+        const TriangleMesh& mesh = *scene.laryngoscope();
         Ray held(into_tool * sight.from, into_tool * where);
         for (const auto& [a, b, c] : mesh.triangles) {
             if (held.intersects(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {

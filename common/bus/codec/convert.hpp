@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "common/math/transform.hpp"
 #include "idl/eti.h"
@@ -68,14 +69,19 @@ namespace eti::bus {
     return {from_msg(pose.orientation()), from_msg(pose.position())};
 }
 
-[[nodiscard]] inline bool is_finite(const eti::msg::Vec3& v) {
-    return from_msg(v).allFinite();
+using eti::is_valid_point;
+
+[[nodiscard]] inline bool is_valid_point(const eti::msg::Vec3& v) {
+    return is_valid_point(from_msg(v));
 }
 
-/// Finite, with a quaternion norm within 1e-2 of one: the condition for using a received pose.
-[[nodiscard]] inline bool is_valid(const eti::msg::Pose& pose) {
+/// A received pose, its quaternion normalised; nullopt if it fails is_valid_pose().
+[[nodiscard]] inline std::optional<RigidTransform> valid_pose(const eti::msg::Pose& pose,
+                                                              float max_distance = max_coordinate) {
     const eti::msg::Quat& q = pose.orientation();
-    return is_rigid({Quatf(q.w(), q.x(), q.y(), q.z()), from_msg(pose.position())});
+    const bool valid =
+        is_valid_pose({Quatf(q.w(), q.x(), q.y(), q.z()), from_msg(pose.position())}, max_distance);
+    return valid ? std::optional(from_msg(pose)) : std::nullopt;
 }
 
 }  // namespace eti::bus

@@ -98,7 +98,7 @@ std::string faulty_tools(const msg::SessionDescription& m) {
         return fmt::format("a blade of {} m and {} capsules", m.blade_length(), m.laryngoscope().size());
     }
     for (const msg::CapsuleShape& c : m.laryngoscope()) {
-        if (!is_finite(c.a()) || !is_finite(c.b()) || !is_length(c.radius())) {
+        if (!is_valid_point(c.a()) || !is_valid_point(c.b()) || !is_length(c.radius())) {
             return "a capsule of the laryngoscope that is not finite";
         }
     }
@@ -199,7 +199,7 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
             return std::nullopt;
         }
         const msg::Vec3& rest = m.landmarks()[keys.landmarks_[i]].rest();
-        if (!is_finite(rest) || from_msg(rest).norm() > longest_tool) {
+        if (!is_valid_point(from_msg(rest), longest_tool)) {
             why = fmt::format("impossible landmark '{}'", landmark_names[i]);
             return std::nullopt;
         }
@@ -252,7 +252,8 @@ AttemptMetrics SessionKeys::metrics(std::span<const double> values) const {
 std::optional<Landmarks> SessionKeys::landmarks(const msg::LiveMetrics& message) const {
     Landmarks points;
     for (std::size_t i = 0; i < landmark_count; ++i) {
-        if (landmarks_[i] >= message.landmarks().size() || !is_finite(message.landmarks()[landmarks_[i]])) {
+        if (landmarks_[i] >= message.landmarks().size() ||
+            !is_valid_point(message.landmarks()[landmarks_[i]])) {
             return std::nullopt;
         }
         points[i] = from_msg(message.landmarks()[landmarks_[i]]);

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "common/device/held_tool.hpp"
+#include "common/process/threads/mailbox.hpp"
 #include "devices/sensor/operator_frame.hpp"
-#include "devices/sensor/triple_buffer.hpp"
 
 namespace eti::devices {
 
@@ -129,7 +129,7 @@ class Mouse final : public Sensor {
     float wheel_ = 0.0f;        // notches since the last poll
     std::atomic<bool> closed_{false};
     std::chrono::steady_clock::time_point looked_;
-    TripleBuffer<Reading> newest_;
+    Mailbox<Reading> newest_;
     std::uint64_t calls_ = 0;
 };
 

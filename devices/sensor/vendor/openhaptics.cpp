@@ -77,8 +77,7 @@ class OpenHaptics final : public Sensor {
             return last_;
         }
         // Last safeguard: NaN never reaches a motor.
-        const bool finite = asked.force.allFinite() && asked.torque.allFinite();
-        const Wrench wrench = finite ? asked : Wrench{};
+        const Wrench wrench = asked.is_finite() ? asked : Wrench{};
         api_.begin_frame(device_);
         std::array<double, 16> transform{};
         std::array<double, 3> velocity{}, turning{};

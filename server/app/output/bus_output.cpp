@@ -4,10 +4,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <iterator>
-#include <utility>
-
 #include "common/bus/codec/convert.hpp"
 #include "common/bus/security/session_keys.hpp"
 #include "common/model/pace.hpp"
@@ -64,143 +60,100 @@ void BusOutput::post(const scene::Snapshot& snapshot, const StatusValues& status
     if (snapshot.step % steps_per_state != 0) {
         return;
     }
-    {
-        const std::scoped_lock lock(mutex_);
-        skipped_ += waiting_.fresh ? 1 : 0;
-        waiting_.snapshot = snapshot;
-        waiting_.status = status;
-        waiting_.fresh = true;
-    }
-    wake_.notify_one();
+    Work& work = newest_step_.draft();
+    work.snapshot = snapshot;
+    work.status = status;
+    skipped_ += newest_step_.post() ? 1 : 0;
+    posted_.release();
 }
 
 void BusOutput::post_status(const StatusValues& status) {
-    {
-        const std::scoped_lock lock(mutex_);
-        waiting_status_ = status;
-    }
-    wake_.notify_one();
+    newest_status_.write(status);
+    posted_.release();
 }
 
 void BusOutput::post_live(const scene::Snapshot& snapshot, const AttemptStatus& live) {
-    msg::LiveMetrics message = live_message(snapshot, live);
-    {
-        const std::scoped_lock lock(mutex_);
-        waiting_live_ = std::move(message);
-    }
-    wake_.notify_one();
+    newest_live_.write(live_message(snapshot, live));
+    posted_.release();
 }
 
-void BusOutput::post_result(msg::CommandResult result) {
-    {
-        const std::scoped_lock lock(mutex_);
-        results_.push_back(std::move(result));
+template <class Event>
+void BusOutput::push(SpscQueue<Event>& queue, const Event& event) {
+    if (!queue.push(event)) {
+        lost_.fetch_add(1, std::memory_order_relaxed);
     }
-    wake_.notify_one();
+    posted_.release();
 }
 
-void BusOutput::post_shown(std::vector<msg::ShownAnnotation> annotations) {
-    {
-        const std::scoped_lock lock(mutex_);
-        std::ranges::move(annotations, std::back_inserter(annotations_));
+void BusOutput::post_result(const msg::CommandResult& result) {
+    push(results_, result);
+}
+
+void BusOutput::post_shown(const std::vector<msg::ShownAnnotation>& annotations) {
+    for (const msg::ShownAnnotation& annotation : annotations) {
+        push(annotations_, annotation);
     }
-    wake_.notify_one();
 }
 
 void BusOutput::post_summary(std::uint32_t attempt, const Outcome& outcome, const AttemptMetrics& metrics) {
-    {
-        const std::scoped_lock lock(mutex_);
-        summaries_.push_back({attempt, outcome, metrics});
-    }
-    wake_.notify_one();
+    push(summaries_, {attempt, 0, outcome, metrics});
 }
 
 void BusOutput::finish(const StatusValues& status) {
-    {
-        const std::scoped_lock lock(mutex_);
-        waiting_.status = status;
-        waiting_.status.phase = msg::PHASE_FINISHED;
-        ending_ = true;
-    }
-    wake_.notify_one();
+    StatusValues last = status;
+    last.phase = msg::PHASE_FINISHED;
+    newest_status_.write(last);
+    ending_.store(true, std::memory_order_release);
+    posted_.release();
     thread_.join();
-}
-
-std::uint64_t BusOutput::skipped() const {
-    const std::scoped_lock lock(mutex_);
-    return skipped_;
+    if (const std::uint64_t lost = lost_.load(std::memory_order_relaxed); lost > 0) {
+        spdlog::warn(
+            "{} results of commands, annotations or summaries were not sent: more than {} waited. A "
+            "reader of this session is stuck; restart it",
+            lost, max_waiting);
+    }
 }
 
 void BusOutput::run() {
-    std::deque<msg::CommandResult> results;
-    std::deque<Summary> summaries;
-    std::deque<msg::ShownAnnotation> annotations;
-    std::optional<msg::LiveMetrics> live;
-    std::optional<StatusValues> status;
-    bool ending = false;
-    while (!ending) {
-        bool fresh = false;
-        {
-            std::unique_lock lock(mutex_);
-            wake_.wait(lock, [&] {
-                return waiting_.fresh || waiting_live_ || waiting_status_ || ending_ || !results_.empty() ||
-                       !summaries_.empty() || !annotations_.empty();
-            });
-            fresh = waiting_.fresh;
-            ending = ending_;
-            if (fresh || ending) {
-                std::swap(current_, waiting_);
-                waiting_.fresh = false;
-            }
-            results.swap(results_);
-            summaries.swap(summaries_);
-            annotations.swap(annotations_);
-            live = std::exchange(waiting_live_, std::nullopt);
-            status = std::exchange(waiting_status_, std::nullopt);
-        }
-        publish_events(results, summaries, annotations);
-        if (live) {
+    const Work* step = nullptr;
+    const msg::LiveMetrics* live = nullptr;
+    const StatusValues* status = nullptr;
+    for (bool ending = false; !ending;) {
+        posted_.acquire();
+        ending = ending_.load(std::memory_order_acquire);  // first, so that nothing is left unread
+        const bool new_step = newest_step_.read(step);
+        const bool new_status = newest_status_.read(status);
+        publish_events(step->snapshot.time_ns);
+        if (newest_live_.read(live)) {
             live_.publish(*live);
         }
-        if (fresh) {
-            publish_step(current_);
-        } else if (status && !ending) {
-            current_.status = *status;
-            publish_status(current_);
+        if (new_step) {
+            publish_step(*step);
         }
-        if (ending) {
-            publish_status(current_);
-            // Otherwise a busy reader that has not polled yet would miss the end of the session, and the
-            // sender of the command its result.
-            if (!status_.wait_until_received(shutdown_timeout) ||
-                !summary_.wait_until_received(shutdown_timeout) ||
-                !result_.wait_until_received(shutdown_timeout)) {
-                spdlog::warn("not every reader has acknowledged the session's end");
-            }
+        if (ending || (new_status && !new_step)) {
+            publish_status(step->snapshot, *status);
         }
+    }
+    // Otherwise a busy reader that has not polled yet would miss the end of the session, and the sender of
+    // the command its result.
+    if (!status_.wait_until_received(shutdown_timeout) || !summary_.wait_until_received(shutdown_timeout) ||
+        !result_.wait_until_received(shutdown_timeout)) {
+        spdlog::warn("not every reader has acknowledged the session's end");
     }
 }
 
-void BusOutput::publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries,
-                               std::deque<msg::ShownAnnotation>& annotations) {
-    for (msg::CommandResult& result : results) {
-        result_.publish(result);
+void BusOutput::publish_events(std::uint64_t time_ns) {
+    for (; const msg::CommandResult* const result = results_.front(); results_.pop()) {
+        result_.publish(*result);
     }
-    results.clear();
-    for (msg::ShownAnnotation& annotation : annotations) {
-        shown_.publish(annotation);
+    for (; const msg::ShownAnnotation* const annotation = annotations_.front(); annotations_.pop()) {
+        shown_.publish(*annotation);
     }
-    annotations.clear();
-    for (const Summary& s : summaries) {
-        msg::AttemptSummary message;
-        message.header(make_header(current_.snapshot.time_ns, ++number_));
-        message.attempt(s.attempt);
-        message.success(s.outcome.success);
-        message.reason(s.outcome.reason);
-        message.parameters(bus::to_msg(s.metrics));
-        summary_.publish(message);
+    for (; const bus::AttemptReport* const waiting = summaries_.front(); summaries_.pop()) {
+        bus::AttemptReport report = *waiting;
+        report.ended_ns = time_ns;
+        summary_.publish(bus::encode_attempt(report, ++number_));
     }
-    summaries.clear();
 }
 
 void BusOutput::publish_step(const Work& work) {
@@ -222,7 +175,7 @@ void BusOutput::publish_step(const Work& work) {
     }
     if (s.step >= next_status_) {
         next_status_ = (s.step / steps_per_status + 1) * steps_per_status;
-        publish_status(work);
+        publish_status(s, work.status);
     } else if (Clock::now() - asserted_ >= liveliness_interval) {
         // A server far behind the wall clock is alive, too.
         status_.assert_liveliness();
@@ -230,16 +183,16 @@ void BusOutput::publish_step(const Work& work) {
     }
 }
 
-void BusOutput::publish_status(const Work& work) {
+void BusOutput::publish_status(const scene::Snapshot& snapshot, const StatusValues& status) {
     msg::SessionStatus message;
     message.session(session_);
-    message.header(make_header(work.snapshot.time_ns, static_cast<std::uint32_t>(work.snapshot.step)));
-    message.phase(work.status.phase);
+    message.header(make_header(snapshot.time_ns, static_cast<std::uint32_t>(snapshot.step)));
+    message.phase(status.phase);
     message.server(bus::process_name());
-    message.load(work.status.load);
-    message.behind_s(work.status.behind);
-    message.laryngoscope(work.status.laryngoscope);
-    message.tube(work.status.tube);
+    message.load(status.load);
+    message.behind_s(status.behind);
+    message.laryngoscope(status.laryngoscope);
+    message.tube(status.tube);
     status_.publish(message);
     asserted_ = Clock::now();
 }

@@ -2,18 +2,20 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
-#include <mutex>
 #include <optional>
+#include <semaphore>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/codec/attempt_report.hpp"
 #include "common/model/pace.hpp"
+#include "common/process/threads/mailbox.hpp"
+#include "common/process/threads/spsc_queue.hpp"
 #include "server/app/output/scene_messages.hpp"
 
 namespace eti::app {
@@ -27,11 +29,17 @@ struct StatusValues {
     msg::DevicePresence laryngoscope = msg::DEVICE_NONE, tube = msg::DEVICE_NONE;
 };
 
-/// Publishes states and metrics from its own thread. The physics thread only posts copies and never waits for
-/// the network. If publishing is slower than the simulation, newer states replace older ones: every message
-/// is a complete state, so only smoothness is lost.
+/// Publishes states and metrics from its own thread. The threads that post only copy and never wait, neither
+/// for the network nor for this thread. If publishing is slower than the simulation, newer states replace
+/// older ones: every message is a complete state, so only smoothness is lost. Results, annotations and
+/// summaries queue up; beyond max_waiting they are lost, which finish() reports.
+///
+/// Threads: metrics and summaries come from one thread, everything else from one, perhaps another.
 class BusOutput {
   public:
+    /// Of a kind; more than a second's commands of all senders that the server distinguishes (64 times 20).
+    static constexpr std::size_t max_waiting = 2048;
+
     /// `start`: runtime parameters at the start of the session.
     BusOutput(bus::Node& node, const Scenario& scenario, const patient::Patient& patient,
               const Laryngoscope& scope, const RuntimeParameters& start);
@@ -45,31 +53,27 @@ class BusOutput {
     void post_status(const StatusValues& status);
     /// Posts live metrics, after each view evaluation.
     void post_live(const scene::Snapshot& snapshot, const AttemptStatus& live);
-    void post_result(msg::CommandResult result);
-    void post_shown(std::vector<msg::ShownAnnotation> annotations);
+    void post_result(const msg::CommandResult& result);
+    void post_shown(const std::vector<msg::ShownAnnotation>& annotations);
     void post_summary(std::uint32_t attempt, const Outcome& outcome, const AttemptMetrics& metrics);
     /// Sends pending messages, with the phase FINISHED, and ends the thread.
     void finish(const StatusValues& status);
-    [[nodiscard]] std::uint64_t skipped() const;  ///< states replaced before they were sent
+    /// States replaced before they were sent. For the thread that posts them.
+    [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
   private:
     using Clock = std::chrono::steady_clock;
     struct Work {
         scene::Snapshot snapshot;
         StatusValues status;
-        bool fresh = false;
-    };
-    struct Summary {
-        std::uint32_t attempt;
-        Outcome outcome;
-        AttemptMetrics metrics;
     };
 
     void run();
+    template <class Event>
+    void push(SpscQueue<Event>& queue, const Event& event);
     void publish_step(const Work& work);
-    void publish_status(const Work& work);
-    void publish_events(std::deque<msg::CommandResult>& results, std::deque<Summary>& summaries,
-                        std::deque<msg::ShownAnnotation>& annotations);
+    void publish_status(const scene::Snapshot& snapshot, const StatusValues& status);
+    void publish_events(std::uint64_t time_ns);
 
     std::string session_;
     bus::Publisher<msg::SessionDescription> description_;
@@ -82,15 +86,15 @@ class BusOutput {
     bus::Publisher<msg::ShownAnnotation> shown_;
     bus::Publisher<msg::SessionStatus> status_;
 
-    mutable std::mutex mutex_;
-    std::condition_variable wake_;
-    Work waiting_, current_;
-    std::optional<msg::LiveMetrics> waiting_live_;
-    std::optional<StatusValues> waiting_status_;  // posted without a step
-    std::deque<msg::CommandResult> results_;
-    std::deque<Summary> summaries_;
-    std::deque<msg::ShownAnnotation> annotations_;
-    bool ending_ = false;
+    Mailbox<Work> newest_step_;
+    Mailbox<msg::LiveMetrics> newest_live_;
+    Mailbox<StatusValues> newest_status_;  // posted without a step
+    SpscQueue<msg::CommandResult> results_{max_waiting};
+    SpscQueue<bus::AttemptReport> summaries_{max_waiting};
+    SpscQueue<msg::ShownAnnotation> annotations_{max_waiting};
+    std::counting_semaphore<> posted_{0};
+    std::atomic<bool> ending_{false};
+    std::atomic<std::uint64_t> lost_{0};  // results, annotations and summaries
     std::uint64_t skipped_ = 0;
     Clock::time_point asserted_{};  // last assertion of liveliness
 

@@ -3,7 +3,6 @@
 #include "server/app/output/haptic_publisher.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "common/bus/codec/convert.hpp"
 #include "server/app/output/scene_messages.hpp"
@@ -28,69 +27,44 @@ HapticPublisher::~HapticPublisher() {
 }
 
 void HapticPublisher::post_proxy(const scene::ProxySnapshot& proxy) {
-    {
-        const std::scoped_lock lock(mutex_);
-        skipped_ += fresh_proxy_ ? 1 : 0;
-        waiting_proxy_ = proxy;
-        fresh_proxy_ = true;
-    }
-    wake_.notify_one();
+    skipped_ += newest_proxy_.write(proxy) ? 1 : 0;
+    posted_.release();
 }
 
 void HapticPublisher::post_forces(const scene::Snapshot& s) {
-    {
-        const std::scoped_lock lock(mutex_);
-        Forces& f = waiting_forces_;
-        f.step = s.step;
-        f.time_ns = s.time_ns;
-        f.proxy = s.proxy;
-        f.tissue_force = s.tissue_force;
-        f.tissue_torque = s.tissue_torque;
-        f.tube_force = s.tube_force;
-        f.tube_torque = s.tube_torque;
-        f.contacts = s.tissue_contacts;
-        fresh_forces_ = true;
-    }
-    wake_.notify_one();
+    Forces& f = newest_forces_.draft();
+    f.step = s.step;
+    f.time_ns = s.time_ns;
+    f.proxy = s.proxy;
+    f.tissue_force = s.tissue_force;
+    f.tissue_torque = s.tissue_torque;
+    f.tube_force = s.tube_force;
+    f.tube_torque = s.tube_torque;
+    f.contacts = s.tissue_contacts;
+    newest_forces_.post();
+    posted_.release();
 }
 
 void HapticPublisher::finish() {
-    if (!thread_.joinable()) {
-        return;
+    if (thread_.joinable()) {
+        ending_.store(true, std::memory_order_release);
+        posted_.release();
+        thread_.join();
     }
-    {
-        const std::scoped_lock lock(mutex_);
-        ending_ = true;
-    }
-    wake_.notify_one();
-    thread_.join();
-}
-
-std::uint64_t HapticPublisher::skipped() const {
-    const std::scoped_lock lock(mutex_);
-    return skipped_;
 }
 
 void HapticPublisher::run() {
-    bool ending = false;
-    while (!ending) {
-        bool proxy = false, forces = false;
-        {
-            std::unique_lock lock(mutex_);
-            wake_.wait(lock, [&] { return fresh_proxy_ || fresh_forces_ || ending_; });
-            ending = ending_;
-            if ((proxy = std::exchange(fresh_proxy_, false))) {
-                std::swap(sent_proxy_, waiting_proxy_);
-            }
-            if ((forces = std::exchange(fresh_forces_, false))) {
-                std::swap(sent_forces_, waiting_forces_);
-            }
+    const scene::ProxySnapshot* proxy = nullptr;
+    const Forces* forces = nullptr;
+    for (bool ending = false; !ending;) {
+        posted_.acquire();
+        ending =
+            ending_.load(std::memory_order_acquire);  // before the mailboxes, so that none is left unread
+        if (newest_proxy_.read(proxy)) {
+            publish(*proxy);
         }
-        if (proxy) {
-            publish(sent_proxy_);
-        }
-        if (forces) {
-            publish(sent_forces_);
+        if (newest_forces_.read(forces)) {
+            publish(*forces);
         }
     }
 }

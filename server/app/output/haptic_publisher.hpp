@@ -2,20 +2,21 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
-#include <mutex>
-#include <string>
+#include <semaphore>
 #include <thread>
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/process/threads/mailbox.hpp"
 #include "server/scene/snapshot.hpp"
 
 namespace eti::app {
 
 /// Publishes haptic state from its own thread, each part as soon as the step has computed it. The physics
-/// thread only posts copies and never waits for the network. Newer states replace unsent older ones.
+/// thread only posts copies and never waits, neither for the network nor for this thread. Newer states
+/// replace unsent older ones.
 class HapticPublisher {
   public:
     explicit HapticPublisher(bus::Node& node);
@@ -28,7 +29,8 @@ class HapticPublisher {
     void post_forces(const scene::Snapshot& snapshot);
     /// Sends pending messages and ends the thread; later calls do nothing.
     void finish();
-    [[nodiscard]] std::uint64_t skipped() const;  ///< proxies replaced before they were sent
+    /// Proxies replaced before they were sent. For the thread that posts them.
+    [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
   private:
     /// The parts of a snapshot that are sent.
@@ -47,11 +49,10 @@ class HapticPublisher {
     bus::Publisher<msg::TissueContacts> contacts_;
     bus::Publisher<msg::TubeForce> tube_force_;
 
-    mutable std::mutex mutex_;
-    std::condition_variable wake_;
-    scene::ProxySnapshot waiting_proxy_, sent_proxy_;
-    Forces waiting_forces_, sent_forces_;
-    bool fresh_proxy_ = false, fresh_forces_ = false, ending_ = false;
+    Mailbox<scene::ProxySnapshot> newest_proxy_;
+    Mailbox<Forces> newest_forces_;
+    std::counting_semaphore<> posted_{0};
+    std::atomic<bool> ending_{false};
     std::uint64_t skipped_ = 0;
     std::thread thread_;
 };

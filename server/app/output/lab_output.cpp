@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <utility>
 
 #include "common/bus/codec/convert.hpp"
 #include "common/bus/codec/quantised_positions.hpp"
@@ -38,11 +37,8 @@ LabOutput::LabOutput(bus::Node& node, const patient::Patient& patient, bool live
 }
 
 LabOutput::~LabOutput() {
-    {
-        const std::scoped_lock lock(mutex_);
-        ending_ = true;
-    }
-    wake_.notify_one();
+    ending_.store(true, std::memory_order_relaxed);
+    posted_.release();
     thread_.join();
 }
 
@@ -52,31 +48,21 @@ void LabOutput::post(const scene::Snapshot& snapshot, std::span<const Vec3f> par
     if (snapshot.step % steps_per_lab_state != 0 || !(meshes || points)) {
         return;
     }
-    {
-        const std::unique_lock lock(mutex_, std::try_to_lock);
-        if (!lock) {
-            return;
-        }
-        waiting_.step = snapshot.step;
-        waiting_.time_ns = snapshot.time_ns;
-        waiting_.frames.clear();
-        waiting_.particles.clear();
-        if (meshes) {
-            waiting_.frames = snapshot.frames;
-            ++work_.frames_copied;
-        }
-        if (points) {
-            waiting_.particles.assign(particles.begin(), particles.end());
-            ++work_.particles_copied;
-        }
-        waiting_.fresh = true;
+    State& state = newest_.draft();
+    state.step = snapshot.step;
+    state.time_ns = snapshot.time_ns;
+    state.frames.clear();
+    state.particles.clear();
+    if (meshes) {
+        state.frames = snapshot.frames;
+        ++work_.frames_copied;
     }
-    wake_.notify_one();
-}
-
-LabWork LabOutput::work() const {
-    const std::scoped_lock lock(mutex_);
-    return work_;
+    if (points) {
+        state.particles.assign(particles.begin(), particles.end());
+        ++work_.particles_copied;
+    }
+    newest_.post();
+    posted_.release();
 }
 
 void LabOutput::run() {
@@ -89,23 +75,15 @@ void LabOutput::run() {
     };
     before_others();
     for (;;) {
-        bool fresh = false;
-        {
-            std::unique_lock lock(mutex_);
-            wake_.wait_for(lock, reader_poll_period, [&] { return waiting_.fresh || ending_; });
-            if (ending_) {
-                return;
-            }
-            fresh = std::exchange(waiting_.fresh, false);
-            if (fresh) {
-                std::swap(current_, waiting_);
-            }
+        (void)posted_.try_acquire_for(reader_poll_period);
+        if (ending_.load(std::memory_order_relaxed)) {
+            return;
         }
         poll_readers();
-        if (!fresh) {
+        if (!newest_.read(current_)) {
             continue;
         }
-        if (meshes_read_ && !current_.frames.empty()) {
+        if (meshes_read_ && !current_->frames.empty()) {
             if (live_) {
                 reset_priority();
             }
@@ -113,7 +91,7 @@ void LabOutput::run() {
             before_others();
             write_surfaces();
         }
-        if (particles_read_ && !current_.particles.empty()) {
+        if (particles_read_ && !current_->particles.empty()) {
             write_particles();
         }
     }
@@ -126,8 +104,8 @@ void LabOutput::poll_readers() {
 
 void LabOutput::skin() {
     std::vector<FrameMap> maps;
-    for (std::size_t f = 0; f < current_.frames.size(); ++f) {
-        maps.push_back(frame_map(current_.frames[f], patient_.frame_rest_centre[f]));
+    for (std::size_t f = 0; f < current_->frames.size(); ++f) {
+        maps.push_back(frame_map(current_->frames[f], patient_.frame_rest_centre[f]));
     }
     for (std::size_t s = 0; s < patient_.surfaces.size(); ++s) {
         const Surface& surface = patient_.surfaces[s];
@@ -144,13 +122,12 @@ void LabOutput::write_surfaces() {
         chunks += bus::chunk_count(vertices.size());
     }
     msg::MeshState message;
-    message.header(bus::make_header(current_.time_ns, static_cast<std::uint32_t>(current_.step)));
+    message.header(bus::make_header(current_->time_ns, static_cast<std::uint32_t>(current_->step)));
     message.chunks(static_cast<std::uint16_t>(chunks));
     for (std::size_t s = 0; s < skinned_.size(); ++s) {
         message.object(patient_.surfaces[s].name);
         write(skinned_[s], message, meshes_);
     }
-    const std::scoped_lock lock(mutex_);
     ++work_.surfaces_written;
 }
 
@@ -160,18 +137,17 @@ void LabOutput::write_particles() {
         chunks += bus::chunk_count(particles.size());
     }
     msg::ParticleState message;
-    message.header(bus::make_header(current_.time_ns, static_cast<std::uint32_t>(current_.step)));
+    message.header(bus::make_header(current_->time_ns, static_cast<std::uint32_t>(current_->step)));
     message.chunks(static_cast<std::uint16_t>(chunks));
     for (std::size_t tissue = 0; tissue < tissue_count; ++tissue) {
         positions_.clear();
         for (const std::uint32_t particle : of_tissue_[tissue]) {
-            positions_.push_back(current_.particles[particle]);
+            positions_.push_back(current_->particles[particle]);
         }
         message.tissue(static_cast<std::uint32_t>(tissue));
         message.count(static_cast<std::uint32_t>(positions_.size()));
         write(positions_, message, particles_);
     }
-    const std::scoped_lock lock(mutex_);
     ++work_.particles_written;
 }
 

@@ -4,14 +4,14 @@
 
 #include <array>
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
+#include <semaphore>
 #include <span>
 #include <thread>
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/process/threads/mailbox.hpp"
 #include "server/patient/model/patient.hpp"
 #include "server/scene/snapshot.hpp"
 
@@ -19,10 +19,10 @@ namespace eti::app {
 
 /// Counters of the output for readers without skinning: states, for each of the two topics.
 struct LabWork {
-    std::uint64_t frames_copied = 0;  ///< by the physics thread, for surfaces
-    std::uint64_t particles_copied = 0;
-    std::uint64_t surfaces_written = 0;
-    std::uint64_t particles_written = 0;
+    std::atomic<std::uint64_t> frames_copied{0};  ///< by the physics thread, for surfaces
+    std::atomic<std::uint64_t> particles_copied{0};
+    std::atomic<std::uint64_t> surfaces_written{0};
+    std::atomic<std::uint64_t> particles_written{0};
 };
 
 /// Publishes deformed surfaces and particles by tissue at 30 Hz from its own thread. Topics without readers
@@ -39,7 +39,7 @@ class LabOutput {
     /// Call once per step on the physics thread; never waits. `particles` [particles][m], in the patient's
     /// order.
     void post(const scene::Snapshot& snapshot, std::span<const Vec3f> particles);
-    [[nodiscard]] LabWork work() const;
+    [[nodiscard]] const LabWork& work() const { return work_; }
 
   private:
     struct State {
@@ -47,7 +47,6 @@ class LabOutput {
         std::uint64_t time_ns = 0;
         std::vector<FramePose> frames;  // empty: surfaces have no reader
         std::vector<Vec3f> particles;   // empty: particles have no reader
-        bool fresh = false;
     };
 
     void run();
@@ -66,11 +65,11 @@ class LabOutput {
     std::array<std::vector<std::uint32_t>, tissue_count> of_tissue_;  // particles by tissue
 
     std::atomic<bool> meshes_read_{false}, particles_read_{false};
-    mutable std::mutex mutex_;
-    std::condition_variable wake_;
-    State waiting_, current_;
+    Mailbox<State> newest_;
+    const State* current_ = nullptr;
+    std::counting_semaphore<> posted_{0};
     LabWork work_;
-    bool ending_ = false;
+    std::atomic<bool> ending_{false};
 
     std::vector<std::vector<Vec3f>> skinned_;  // [surfaces][vertices][m]
     std::vector<Vec3f> positions_;             // [m], of one tissue

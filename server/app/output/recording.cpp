@@ -5,19 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/process/guard.hpp"
 #include "common/scenario/setting.hpp"
 #include "server/app/output/session_info.hpp"
 
 namespace eti::app {
-
-namespace {
-
-constexpr float max_recorded_distance = 10.0f;  // [m]
-
-}  // namespace
 
 Recording::Recording(const std::filesystem::path& path)
     : reader(path),
@@ -55,10 +48,6 @@ Recording read_recording(const std::filesystem::path& path) {
         throw InputError(fmt::format("{}: holds no step", path.string()));
     }
     return recording;
-}
-
-bool is_valid_pose(const RigidTransform& pose) {
-    return pose.translation.norm() < max_recorded_distance && std::fabs(pose.rotation.norm() - 1.0f) < 1e-3f;
 }
 
 Scenario scenario_of(const std::filesystem::path& file, const session::SessionInfo& info,

@@ -40,9 +40,6 @@ struct Recording {
 /// a damaged one. Throws InputError or hdf5::Error, also if it has no steps.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path);
 
-/// Whether a tool's pose is plausible: finite, with a unit quaternion, within 10 m of the patient.
-[[nodiscard]] bool is_valid_pose(const RigidTransform& pose);
-
 /// The recorded scenario with overrides KEY=VALUE (runtime parameters are skipped). A patient's model is
 /// searched for beside `file`, then at the scenario's location. Throws InputError.
 [[nodiscard]] Scenario scenario_of(const std::filesystem::path& file, const session::SessionInfo& info,

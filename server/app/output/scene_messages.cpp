@@ -3,10 +3,11 @@
 #include "server/app/output/scene_messages.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/bus/codec/convert.hpp"
 #include "common/bus/codec/fluid_state.hpp"
+#include "common/bus/codec/frame_pose.hpp"
+#include "common/bus/codec/scene_object.hpp"
 #include "common/bus/security/session_keys.hpp"
 #include "common/model/pace.hpp"
 
@@ -22,31 +23,6 @@ constexpr std::uint32_t refresh_states = 45;
 // 24 bytes per frame; the first chunk also carries the tube's nodes. Each chunk fits in 1300 bytes.
 constexpr std::size_t frames_per_chunk = msg::bound::DeformationState_frames;
 constexpr std::size_t frames_in_first_chunk = 24;
-
-std::uint16_t quantised(float weight) {
-    return static_cast<std::uint16_t>(std::lround(weight * 65535.0f));
-}
-
-std::int16_t quantised_unit(float x) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767.0f));
-}
-
-msg::FrameUpdate frame_update(std::size_t index, const FramePose& pose) {
-    msg::FrameUpdate update;
-    update.frame(static_cast<std::uint16_t>(index));
-    update.qw(quantised_unit(pose.rotation.w()));
-    update.qx(quantised_unit(pose.rotation.x()));
-    update.qy(quantised_unit(pose.rotation.y()));
-    update.qz(quantised_unit(pose.rotation.z()));
-    update.x(pose.centre.x());
-    update.y(pose.centre.y());
-    update.z(pose.centre.z());
-    return update;
-}
-
-void append(std::vector<float>& to, const Vec3f& v) {
-    to.insert(to.end(), {v.x(), v.y(), v.z()});
-}
 
 }  // namespace
 
@@ -76,44 +52,11 @@ msg::SessionDescription description_message(const std::string& session, const Sc
 
 std::vector<msg::SceneDescription> scene_messages(const patient::Patient& patient,
                                                   const Laryngoscope& scope) {
-    std::vector<msg::SceneDescription> objects;
-    const auto object = [&](std::string name, msg::ObjectKind kind) -> msg::SceneDescription& {
-        objects.emplace_back();
-        objects.back().object(name);
-        objects.back().kind(kind);
-        return objects.back();
-    };
-    msg::SceneDescription& frames = object("frames", msg::OBJECT_FRAMES);
-    for (const Vec3f& centre : patient.frame_rest_centre) {
-        append(frames.vertices(), centre);
-    }
+    std::vector<msg::SceneDescription> objects{bus::encode_frames(patient.frame_rest_centre)};
     for (const Surface& surface : patient.surfaces) {
-        msg::SceneDescription& o = object(surface.name, msg::OBJECT_SURFACE);
-        o.tissue(static_cast<std::uint32_t>(surface.tissue));
-        for (const Vec3f& v : surface.mesh.vertices) {
-            append(o.vertices(), v);
-        }
-        for (const Triangle& t : surface.mesh.triangles) {
-            o.triangles().insert(o.triangles().end(), t.begin(), t.end());
-        }
-        for (const Tissue t : surface.triangle_tissue) {
-            o.triangle_tissue().push_back(static_cast<std::uint8_t>(t));
-        }
-        for (const SkinWeights& skin : surface.skin) {
-            o.skin_frame().insert(o.skin_frame().end(), skin.frame.begin(), skin.frame.end());
-            for (const float w : skin.weight) {
-                o.skin_weight().push_back(quantised(w));
-            }
-        }
+        objects.push_back(bus::encode_surface(surface));
     }
-    msg::SceneDescription& blade = object("laryngoscope", msg::OBJECT_TOOL);
-    const TriangleMesh mesh = laryngoscope_mesh(scope);
-    for (const Vec3f& v : mesh.vertices) {
-        append(blade.vertices(), v);
-    }
-    for (const Triangle& t : mesh.triangles) {
-        blade.triangles().insert(blade.triangles().end(), t.begin(), t.end());
-    }
+    objects.push_back(bus::encode_laryngoscope(laryngoscope_mesh(scope)));
     for (msg::SceneDescription& o : objects) {
         o.object_count(static_cast<std::uint32_t>(objects.size()));
         o.header(make_header(0, 0));
@@ -196,7 +139,7 @@ void DeformationMessages::make(const scene::Snapshot& snapshot,
         const std::size_t end =
             std::min(due.size(), next + (chunk == 0 ? frames_in_first_chunk : frames_per_chunk));
         for (; next < end; ++next) {
-            state.frames().push_back(frame_update(due[next], snapshot.frames[due[next]]));
+            state.frames().push_back(bus::encode_frame_pose(due[next], snapshot.frames[due[next]]));
         }
         send(state);
     }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/app/output/recorder.hpp"
 #include "server/metrics/airway_watch.hpp"
@@ -41,11 +40,6 @@ float weight_of(const Scenario& scenario, const session::StepRecord& step) {
     return scenario.patient.model.empty() || !(by_rule > 0.0f) ? scenario.patient.shape.weight : by_rule;
 }
 
-bool is_plausible(const FramePose& pose) {
-    // Quaternions in the file are quantized, hence unit only approximately.
-    return pose.centre.norm() < 10.0f && std::fabs(pose.rotation.norm() - 1.0f) < 1e-2f;
-}
-
 FramePose interpolate(const FramePose& from, const FramePose& to, float share) {
     FramePose out;
     out.centre = from.centre + share * (to.centre - from.centre);
@@ -77,7 +71,8 @@ RecordedStates::RecordedStates(const Recording& recording, const Scenario& scena
     }
     for (const session::DeformationRecord& record : recording.deformations) {
         for (std::size_t k = 0; k < record.frame.size(); ++k) {
-            if (record.frame[k] >= patient_.frame_rest_centre.size() || !is_plausible(record.pose[k])) {
+            if (record.frame[k] >= patient_.frame_rest_centre.size() ||
+                !is_valid_pose({record.pose[k].rotation, record.pose[k].centre})) {
                 throw InputError(
                     fmt::format("deformation at {:.3f} s: an impossible pose of frame {} of {}; the file is "
                                 "damaged, see eti-review check",

@@ -11,6 +11,7 @@
 #include <iostream>
 #include <thread>
 
+#include "common/bus/codec/annotation.hpp"
 #include "common/model/pace.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/process/terminal.hpp"
@@ -90,20 +91,9 @@ std::vector<AttemptEnd> attempt_ends(const Recording& recording) {
 
 /// The message as originally sent.
 msg::Annotation message_of(const session::AnnotationRecord& record) {
-    msg::Annotation message;
-    message.sender(record.sender);
-    message.kind(record.kind == "point" ? msg::ANNOTATION_POINT : msg::ANNOTATION_STROKE);
-    message.text(record.text);
-    message.object(record.object);
-    for (std::size_t i = 0; i < std::min(record.place.size(), msg::bound::Annotation_places); ++i) {
-        msg::SurfacePlace place;
-        place.triangle(record.place[i].triangle);
-        place.u(record.place[i].u);
-        place.v(record.place[i].v);
-        place.height(record.place[i].height);
-        message.places().push_back(place);
-    }
-    return message;
+    return bus::encode_annotation({record.time_ns,
+                                   record.kind == "point" ? msg::ANNOTATION_POINT : msg::ANNOTATION_STROKE,
+                                   record.sender, record.text, record.object, record.place});
 }
 
 class Replay {
@@ -257,7 +247,7 @@ class Replay {
         for (msg::ShownAnnotation& shown : taken.shown) {
             shown.header().simulation_time_ns(time_ns);
         }
-        output_->post_shown(std::move(taken.shown));
+        output_->post_shown(taken.shown);
     }
 
     void advance() {
@@ -318,7 +308,7 @@ class Replay {
         result.id(command.id);
         result.accepted(refusal.empty());
         result.reason(refusal);
-        output_->post_result(std::move(result));
+        output_->post_result(result);
     }
 
     /// Reason for rejection, or an empty string.

@@ -7,18 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "common/bus/codec/annotation.hpp"
 #include "common/bus/codec/convert.hpp"
+#include "common/bus/codec/scene_object.hpp"
 #include "common/mesh/skinning.hpp"
 
 namespace eti::app {
 
 namespace {
-
-constexpr std::string_view laryngoscope_object = "laryngoscope";
-
-SurfacePlace place_of(const msg::SurfacePlace& place) {
-    return {place.triangle(), place.u(), place.v(), place.height()};
-}
 
 /// Minimum and maximum number of positions of each kind.
 std::pair<std::size_t, std::size_t> places_of(msg::AnnotationKind kind) {
@@ -56,7 +52,7 @@ std::string AnnotationBoard::refusal_of(const msg::Annotation& annotation) const
     }
     const std::string object = annotation.object().to_string();
     const Surface* const on = surface(object);
-    if (on == nullptr && object != laryngoscope_object) {
+    if (on == nullptr && object != bus::laryngoscope_object) {
         return "it lies on no surface of this patient";
     }
     const std::size_t triangles = (on != nullptr ? on->mesh : laryngoscope_).triangles.size();
@@ -64,7 +60,7 @@ std::string AnnotationBoard::refusal_of(const msg::Annotation& annotation) const
         if (place.triangle() >= triangles) {
             return fmt::format("triangle {} of {}", place.triangle(), triangles);
         }
-        if (!place_of(place).is_valid()) {
+        if (!bus::from_msg(place).is_valid()) {
             return fmt::format("a place that is not on its triangle, or more than {:.0f} mm from it",
                                1e3f * SurfacePlace::farthest);
         }
@@ -88,7 +84,7 @@ session::AnnotationRecord AnnotationBoard::record_of(const msg::Annotation& anno
                    : now.proxy * mesh.vertices[v];
     };
     for (const msg::SurfacePlace& sent : annotation.places()) {
-        const SurfacePlace place = place_of(sent);
+        const SurfacePlace place = bus::from_msg(sent);
         const auto& [a, b, c] = mesh.triangles[place.triangle];
         record.place.push_back(place);
         record.position.push_back(point_at(place, corner(a), corner(b), corner(c)));

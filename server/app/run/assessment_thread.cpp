@@ -15,8 +15,7 @@ AssessmentThread::AssessmentThread(Assessor& assessor, Recorder* recorder, BusOu
 
 AssessmentThread::~AssessmentThread() {
     if (thread_.joinable()) {
-        ending_.store(true, std::memory_order_release);
-        filled_.release();
+        filled_.release();  // without a step: the end
         thread_.join();
     }
 }
@@ -28,23 +27,19 @@ void AssessmentThread::submit(const scene::Snapshot& snapshot, const std::option
         return;
     }
     free_.acquire();
-    Step& step = steps_[put_++ % max_waiting];
+    Step& step = *steps_.back();
     step.snapshot = snapshot;
     step.eye = eye;
     std::swap(step.inputs, inputs_);
     inputs_.clear();
+    steps_.push();
     filled_.release();
 }
 
 void AssessmentThread::run() {
-    while (true) {
-        filled_.acquire();
-        // finish() releases the semaphore after all steps.
-        if (ending_.load(std::memory_order_acquire) && taken_ == put_) {
-            return;
-        }
-        const Step& step = steps_[taken_++ % max_waiting];
-        assess(step.snapshot, step.eye, step.inputs);
+    for (filled_.acquire(); const Step* const step = steps_.front(); filled_.acquire()) {
+        assess(step->snapshot, step->eye, step->inputs);
+        steps_.pop();
         free_.release();
     }
 }
@@ -114,8 +109,7 @@ void AssessmentThread::log_events() {
 
 void AssessmentThread::finish() {
     if (thread_.joinable()) {
-        ending_.store(true, std::memory_order_release);
-        filled_.release();
+        filled_.release();  // without a step: the end
         thread_.join();
     }
     assessor_.metrics().finish();

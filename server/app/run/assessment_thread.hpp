@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/process/threads/spsc_queue.hpp"
 #include "common/session/record.hpp"
 #include "server/app/output/bus_output.hpp"
 #include "server/app/output/recorder.hpp"
@@ -95,12 +95,9 @@ class AssessmentThread {
     double last_ended_ = -1.0;       // [s], simulation time
     std::atomic<double> ended_at_{-1.0};
 
-    // Single producer, single consumer.
-    std::array<Step, max_waiting> steps_;
+    SpscQueue<Step> steps_{max_waiting};
     std::counting_semaphore<max_waiting> free_{max_waiting};
     std::counting_semaphore<> filled_{0};
-    std::size_t put_ = 0, taken_ = 0;
-    std::atomic<bool> ending_{false};
     std::thread thread_;
 };
 

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -18,13 +17,6 @@ namespace {
 
 constexpr float max_received_distance = 2.0f;  // [m] from the patient's origin
 constexpr std::size_t max_messages = 256;      // per step and topic; the rest is queued or replaced
-
-/// A plausible pose of a hand or an eye, or nothing.
-std::optional<RigidTransform> validated_pose(const msg::Pose& pose) {
-    const RigidTransform received = bus::from_msg(pose);
-    const bool is_believable = bus::is_valid(pose) && received.translation.norm() < max_received_distance;
-    return is_believable ? std::optional(received) : std::nullopt;
-}
 
 }  // namespace
 
@@ -42,7 +34,7 @@ std::string sanitized_text(const std::string& text, std::size_t most) {
 std::uint64_t FollowedDevice::poll(Clock::time_point now) {
     std::uint64_t refused = 0;
     if (topic_.take_latest(message_)) {
-        if (const auto received = validated_pose(message_.pose())) {
+        if (const auto received = bus::valid_pose(message_.pose(), max_received_distance)) {
             pose_ = *received;
             pressed_ = message_.buttons();
             last_heard_ = now;
@@ -82,7 +74,7 @@ void BusInput::poll_eye() {
     if (!eye_topic_.take_latest(eye_message_)) {
         return;
     }
-    if (const auto received = validated_pose(eye_message_.pose())) {
+    if (const auto received = bus::valid_pose(eye_message_.pose(), max_received_distance)) {
         eye_ = *received;
     } else {
         ++refused_;

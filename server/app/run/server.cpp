@@ -307,7 +307,7 @@ class Session {
             if (taken.places) {
                 assessment_->log(std::move(*taken.places));
             }
-            output_->post_shown(std::move(taken.shown));
+            output_->post_shown(taken.shown);
         }
     }
 

@@ -91,8 +91,8 @@ MeshSet meshes_of(const view::SceneView& scene) {
         }
     }
     if (scene.laryngoscope() && scene.laryngoscope_pose()) {
-        shapes.blade_triangles = scene.laryngoscope()->mesh.triangles;
-        for (const Vec3f& p : scene.laryngoscope()->mesh.vertices) {
+        shapes.blade_triangles = scene.laryngoscope()->triangles;
+        for (const Vec3f& p : scene.laryngoscope()->vertices) {
             shapes.blade.push_back(*scene.laryngoscope_pose() * p);
         }
     }

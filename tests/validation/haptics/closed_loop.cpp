@@ -18,7 +18,6 @@ namespace eti::validation {
 namespace {
 
 using devices::SceneState;
-using devices::TripleBuffer;
 
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t step_ns = 1'000'000'000 / 180;
@@ -311,7 +310,7 @@ class FarServer {
         up_.send(device, now, loop_.channel, random_);
     }
 
-    TripleBuffer<SceneState> newest;
+    Mailbox<SceneState> newest;
 
   private:
     const LoopCase& loop_;

@@ -66,7 +66,7 @@ TEST_F(HandsLinkTest, PublishesHandPosesLikeDevice) {
     link.press(U'w');
     ASSERT_TRUE(follow([&] { return (bus::from_msg(heard_.pose().position()) - before).norm() > 5e-3f; }));
     link.release(U'w');
-    EXPECT_TRUE(bus::is_valid(heard_.pose()));
+    EXPECT_TRUE(bus::valid_pose(heard_.pose()));
     const hands::HandsState state = link.state();
     EXPECT_TRUE(state.holding && state.owned[0] && state.owned[1]);
 }

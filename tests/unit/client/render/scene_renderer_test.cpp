@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "client/render/scene_renderer.hpp"
+#include "common/bus/codec/frame_pose.hpp"
 
 #include <gtest/gtest.h>
 
@@ -296,14 +297,14 @@ TEST_F(SceneRendererTest, GpuSkinningMatchesCpu) {
     msg::DeformationState turned = state;
     const FramePose pose{source_.rest_centres[1],
                          Quatf(Eigen::AngleAxisf(0.4f, Vec3f(1, 2, 3).normalized()))};
-    turned.frames()[1] = synthetic::frame_update(1, pose);
+    turned.frames()[1] = bus::encode_frame_pose(1, pose);
     scene_.apply(turned);
     scene_.update();
     renderer_.sync(scene_);
     const auto drawn = renderer_.meshes().patient().vertices();
     float farthest = 0.0f, most_tilted = 0.0f;
     for (const auto& part : renderer_.meshes().patient().parts()) {
-        const view::RestSurface& model = scene_.surfaces().at(part.name).model();
+        const bus::RestSurface& model = scene_.surfaces().at(part.name).model();
         const auto expected = scene_.surfaces().at(part.name).vertices();
         for (std::size_t v = 0; v < part.vertex_count; ++v) {
             const view::LitVertex& vertex = drawn[part.first_vertex + v];

@@ -67,7 +67,7 @@ TEST(SurfaceColours, SkinIsPalerAndDrierThanThroat) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;
     synthetic::fill(scene, source);
-    const view::RestSurface& body = scene.surfaces().at("body").model();
+    const bus::RestSurface& body = scene.surfaces().at("body").model();
     const auto colours = render::surface_appearance(body, scene.rest_landmarks()).colours;
     ASSERT_EQ(colours.size(), body.mesh.vertices.size());
     double skin = 0, lining = 0, skin_wet = 0, lining_wet = 0;

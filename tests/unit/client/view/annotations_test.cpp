@@ -99,8 +99,8 @@ TEST_F(SceneAnnotations, FollowDeformedTissue) {
         EXPECT_TRUE(lift == 0.0f || (now - before).norm() > 1e-3f);
         before = now;
     }
-    const auto on_blade = current_position(scene_, laryngoscope_object, {0, 0.0f, 0.0f, 0.0f});
-    const TriangleMesh& blade = scene_.laryngoscope()->mesh;
+    const auto on_blade = current_position(scene_, bus::laryngoscope_object, {0, 0.0f, 0.0f, 0.0f});
+    const TriangleMesh& blade = *scene_.laryngoscope();
     ASSERT_TRUE(on_blade);
     EXPECT_LT((*on_blade - *scene_.laryngoscope_pose() * blade.vertices[blade.triangles[0][0]]).norm(),
               1e-6f);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/bus/codec/fluid_state.hpp"
+#include "common/bus/codec/frame_pose.hpp"
 #include "synthetic_scene.hpp"
 
 namespace eti {
@@ -66,7 +67,7 @@ TEST_F(SceneViewTest, FramesMoveTheirSkinnedVertices) {
     state.chunks(1);
     state.header().simulation_time_ns(2'000'000);
     const Quatf quarter(Eigen::AngleAxisf(0.5f, Vec3f::UnitX()));
-    state.frames().push_back(synthetic::frame_update(2, {Vec3f(0.01f, 0.0f, 0.0f), quarter}));
+    state.frames().push_back(bus::encode_frame_pose(2, {Vec3f(0.01f, 0.0f, 0.0f), quarter}));
     ASSERT_TRUE(view_.apply(state));
     view_.update();
     const Vec3f expected = quarter * (rest - scene_.rest_centres[2]) + Vec3f(0.01f, 0.0f, 0.0f);

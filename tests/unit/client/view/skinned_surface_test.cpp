@@ -14,8 +14,8 @@
 namespace eti {
 namespace {
 
-view::RestSurface one_triangle() {
-    view::RestSurface model;
+bus::RestSurface one_triangle() {
+    bus::RestSurface model;
     model.mesh.vertices = {{0.0f, 0.0f, 0.0f}, {0.02f, 0.0f, 0.0f}, {0.0f, 0.02f, 0.0f}};
     model.mesh.triangles = {{0, 1, 2}};
     model.triangle_tissue = {Tissue::soft};
@@ -26,7 +26,7 @@ view::RestSurface one_triangle() {
 // By hand: frame 0 stays; frame 1, centred at (0.02, 0, 0), rotates by a quarter about z and rises by 0.01.
 // Vertex 1 lies on its centre, vertex 2 half on either frame.
 TEST(Skinning, MatchesPosesComputedByHand) {
-    view::RestSurface model = one_triangle();
+    bus::RestSurface model = one_triangle();
     model.highest_frame = 1;
     model.skin[0] = {{0, 0, 0, 0}, {1.0f, 0, 0, 0}};
     model.skin[1] = {{1, 0, 0, 0}, {1.0f, 0, 0, 0}};
@@ -48,7 +48,7 @@ TEST(Skinning, MatchesPosesComputedByHand) {
 
 TEST(Skinning, AgreesWithTheSharedDefinition) {
     Random random(7);
-    view::RestSurface model = one_triangle();
+    bus::RestSurface model = one_triangle();
     model.highest_frame = 3;
     std::array<Vec3f, 4> centres;
     std::array<FramePose, 4> poses;
@@ -77,7 +77,7 @@ TEST(Skinning, AgreesWithTheSharedDefinition) {
 TEST(Skinning, PartialUpdateIsBitIdenticalToFullUpdate) {
     constexpr std::uint32_t columns = 60, rows = 4, frame_count = 6;
     Random random(11);
-    view::RestSurface model;
+    bus::RestSurface model;
     for (std::uint32_t column = 0; column < columns; ++column) {
         for (std::uint32_t row = 0; row < rows; ++row) {
             model.mesh.vertices.emplace_back(1e-3f * static_cast<float>(column),

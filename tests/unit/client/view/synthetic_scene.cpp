@@ -2,9 +2,10 @@
 // Copyright the NeoETI authors
 #include "synthetic_scene.hpp"
 #include "common/bus/codec/convert.hpp"
+#include "common/bus/codec/frame_pose.hpp"
+#include "common/bus/codec/scene_object.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -72,48 +73,18 @@ Tissue lining(const Vec3f& p) {
     return p.z() < -0.034f ? Tissue::trachea : p.z() < -0.020f ? Tissue::larynx : Tissue::soft;
 }
 
-void add_mesh(msg::SceneDescription& object, const TriangleMesh& mesh) {
-    for (const Vec3f& v : mesh.vertices) {
-        object.vertices().insert(object.vertices().end(), {v.x(), v.y(), v.z()});
-    }
-    for (const Triangle& t : mesh.triangles) {
-        object.triangles().insert(object.triangles().end(), t.begin(), t.end());
-    }
-}
-
-msg::SceneDescription named(const std::string& name, msg::ObjectKind kind) {
-    msg::SceneDescription object;
-    object.object(name);
-    object.kind(kind);
-    return object;
-}
-
 msg::SceneDescription surface(const std::string& name, Tissue tissue, const TriangleMesh& mesh,
                               std::uint16_t frame) {
-    msg::SceneDescription object = named(name, msg::OBJECT_SURFACE);
-    object.tissue(static_cast<std::uint32_t>(tissue));
-    add_mesh(object, mesh);
+    Surface surface{name, tissue, mesh, {}, {}};
     for (const Triangle& t : mesh.triangles) {
         const Vec3f centre = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0f;
-        object.triangle_tissue().push_back(
-            static_cast<std::uint8_t>(tissue == Tissue::soft ? lining(centre) : tissue));
+        surface.triangle_tissue.push_back(tissue == Tissue::soft ? lining(centre) : tissue);
     }
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-        const bool on_skull = frame == trunk && mesh.vertices[v].z() > 0.0f;
-        object.skin_frame().resize(object.skin_frame().size() + frames_per_point);
-        object.skin_weight().resize(object.skin_weight().size() + frames_per_point);
-        *(object.skin_frame().end() - frames_per_point) = on_skull ? skull : frame;
-        *(object.skin_weight().end() - frames_per_point) = 65535;
+    for (const Vec3f& vertex : mesh.vertices) {
+        const bool on_skull = frame == trunk && vertex.z() > 0.0f;
+        surface.skin.push_back({{on_skull ? skull : frame}, {1.0f}});
     }
-    return object;
-}
-
-msg::Vec3 vec3(const Vec3f& v) {
-    msg::Vec3 out;
-    out.x(v.x());
-    out.y(v.y());
-    out.z(v.z());
-    return out;
+    return bus::encode_surface(surface);
 }
 
 Landmarks make_landmarks() {
@@ -150,11 +121,7 @@ Scene make_scene() {
     const Vec3f tongue_centre(0.0f, 0.016f, -0.002f), epiglottis_centre(0.0f, 0.037f, -0.014f);
     scene.rest_centres = {Vec3f::Zero(), Vec3f(0.0f, 0.05f, 0.0f), tongue_centre, epiglottis_centre};
 
-    msg::SceneDescription frames = named("frames", msg::OBJECT_FRAMES);
-    for (const Vec3f& centre : scene.rest_centres) {
-        frames.vertices().insert(frames.vertices().end(), {centre.x(), centre.y(), centre.z()});
-    }
-    scene.objects.push_back(frames);
+    scene.objects.push_back(bus::encode_frames(scene.rest_centres));
     scene.objects.push_back(surface("body", Tissue::soft, body_mesh(), trunk));
     const auto ball = [](const Vec3f& centre, const Vec3f& radii, float spacing) {
         const Vec3f room = radii + Vec3f::Constant(2.0f * spacing);
@@ -170,13 +137,12 @@ Scene make_scene() {
     scene.objects.push_back(surface("spine", Tissue::spine,
                                     ball({0.0f, 0.062f, -0.05f}, {0.006f, 0.005f, 0.05f}, 1.5e-3f), trunk));
 
-    msg::SceneDescription blade = named("laryngoscope", msg::OBJECT_TOOL);
     const auto blade_field = [](const Vec3f& p) {
         return std::min(capsule(p, Vec3f::Zero(), {0.0f, 0.0f, blade_length - 3e-3f}, 3e-3f, 3e-3f),
                         capsule(p, Vec3f::Zero(), {0.0f, 0.10f, 0.0f}, 9e-3f, 9e-3f));
     };
-    add_mesh(blade, mesh_of(blade_field, {-0.012f, -0.012f, -0.012f}, {0.012f, 0.112f, 0.093f}, 2e-3f));
-    scene.objects.push_back(blade);
+    scene.objects.push_back(bus::encode_laryngoscope(
+        mesh_of(blade_field, {-0.012f, -0.012f, -0.012f}, {0.012f, 0.112f, 0.093f}, 2e-3f)));
 
     Laryngoscope scope = make_laryngoscope(Blade::miller_1);
     scope.blade_length = blade_length;
@@ -185,20 +151,6 @@ Scene make_scene() {
         object.object_count(static_cast<std::uint32_t>(scene.objects.size()));
     }
     return scene;
-}
-
-msg::FrameUpdate frame_update(std::uint16_t frame, const FramePose& pose) {
-    const auto quantum = [](float part) { return static_cast<std::int16_t>(std::lround(32767.0f * part)); };
-    msg::FrameUpdate update;
-    update.frame(frame);
-    update.qw(quantum(pose.rotation.w()));
-    update.qx(quantum(pose.rotation.x()));
-    update.qy(quantum(pose.rotation.y()));
-    update.qz(quantum(pose.rotation.z()));
-    update.x(pose.centre.x());
-    update.y(pose.centre.y());
-    update.z(pose.centre.z());
-    return update;
 }
 
 msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, float lift, float depth) {
@@ -210,7 +162,7 @@ msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, flo
         if (f == tongue || f == epiglottis) {
             pose.centre.y() -= lift;
         }
-        state.frames().push_back(frame_update(f, pose));
+        state.frames().push_back(bus::encode_frame_pose(f, pose));
     }
     const Vec3f mouth = at(scene.landmarks, Landmark::mouth_opening),
                 glottis = at(scene.landmarks, Landmark::glottis);
@@ -221,9 +173,9 @@ msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, flo
         const float t = static_cast<float>(i) / 20.0f;
         const Vec3f bent = (1 - t) * (1 - t) * outside +
                            2 * t * (1 - t) * (mouth + Vec3f(-0.006f, 0.020f, 0.0f)) + t * t * glottis;
-        state.tube_nodes().push_back(vec3(bent));
+        state.tube_nodes().push_back(bus::to_msg(bent));
     }
-    state.tube_nodes().push_back(vec3(glottis + depth * down));
+    state.tube_nodes().push_back(bus::to_msg(Vec3f(glottis + depth * down)));
     return state;
 }
 
@@ -237,11 +189,7 @@ msg::ProxyState proxy(const Scene& scene, std::uint64_t time_ns) {
     const Quatf rotation(axes);
     msg::ProxyState state;
     state.header().simulation_time_ns(time_ns);
-    state.proxy().position(vec3(tip - blade_length * Vec3f(axes.col(2))));
-    state.proxy().orientation().w(rotation.w());
-    state.proxy().orientation().x(rotation.x());
-    state.proxy().orientation().y(rotation.y());
-    state.proxy().orientation().z(rotation.z());
+    state.proxy(bus::to_msg(RigidTransform{rotation, tip - blade_length * Vec3f(axes.col(2))}));
     return state;
 }
 
@@ -257,7 +205,7 @@ msg::LiveMetrics metrics(const Scene& scene, std::uint64_t time_ns, float glotti
                        .tube_force_n = 0.25f},
                       live);
     for (const Vec3f& p : scene.landmarks) {
-        live.landmarks().push_back(vec3(p));
+        live.landmarks().push_back(bus::to_msg(p));
     }
     return live;
 }

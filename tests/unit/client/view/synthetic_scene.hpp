@@ -29,7 +29,6 @@ struct Scene {
 /// Meshes of the single objects.
 [[nodiscard]] TriangleMesh body_mesh();
 
-[[nodiscard]] msg::FrameUpdate frame_update(std::uint16_t frame, const FramePose& pose);
 /// Every frame at its rest pose, except that the tongue is lifted by `lift` [m]; the tube along mouth,
 /// glottis and trachea, `depth` [m] past the glottis.
 [[nodiscard]] msg::DeformationState deformation(const Scene& scene, std::uint64_t time_ns, float lift,

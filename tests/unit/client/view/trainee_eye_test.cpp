@@ -69,7 +69,7 @@ TEST(TraineeEye, TurnsGazeInPlace) {
     EXPECT_NEAR((straight.inverse().rotation * gaze(eye)).y(), std::sin(0.1f), 1e-5f);
     EXPECT_EQ(eye.position(points), best_eye(points));
     eye.turn(9.0f, 9.0f);
-    EXPECT_TRUE(is_rigid(eye.pose(points)));
+    EXPECT_TRUE(is_valid_pose(eye.pose(points)));
     EXPECT_GT((straight.inverse().rotation * gaze(eye)).z(), -1.0f);
     EXPECT_LT((straight.inverse().rotation * gaze(eye)).z(), 0.0f) << "still towards the patient";
 }
@@ -87,7 +87,7 @@ TEST(TraineeEye, WornEyeFollowsHeadPose) {
 
 TEST(TraineeEye, IsAtOriginWhileLandmarksAreMissing) {
     const RigidTransform pose = TraineeEye().pose(zero_landmarks());
-    EXPECT_TRUE(is_rigid(pose));
+    EXPECT_TRUE(is_valid_pose(pose));
     EXPECT_LT(pose.translation.norm(), 1e-6f);
 }
 

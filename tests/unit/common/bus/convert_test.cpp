@@ -17,7 +17,7 @@ TEST(Convert, PoseSurvivesRoundTrip) {
     // from_msg normalises: one rounding per component.
     EXPECT_LT((back.rotation.coeffs() - pose.rotation.coeffs()).norm(),
               4 * std::numeric_limits<float>::epsilon());
-    EXPECT_TRUE(is_valid(to_msg(pose)));
+    EXPECT_TRUE(valid_pose(to_msg(pose)));
 }
 
 TEST(Convert, InvalidQuaternionBecomesIdentity) {
@@ -25,10 +25,10 @@ TEST(Convert, InvalidQuaternionBecomesIdentity) {
     const float infinite = std::numeric_limits<float>::infinity();
     for (const Quatf& q : {Quatf(0, 0, 0, 0), Quatf(bad, 0, 0, 1), Quatf(infinite, 0, 0, 1)}) {
         EXPECT_TRUE(from_msg(to_msg(q)).isApprox(Quatf::Identity()));
-        EXPECT_FALSE(is_valid(to_msg(RigidTransform{q, Vec3f::Zero()})));
+        EXPECT_FALSE(valid_pose(to_msg(RigidTransform{q, Vec3f::Zero()})));
     }
-    EXPECT_FALSE(is_valid(to_msg(RigidTransform{Quatf::Identity(), {0, bad, 0}})));
-    EXPECT_FALSE(is_valid(to_msg(RigidTransform{Quatf(2, 0, 0, 0), Vec3f::Zero()})));
+    EXPECT_FALSE(valid_pose(to_msg(RigidTransform{Quatf::Identity(), {0, bad, 0}})));
+    EXPECT_FALSE(valid_pose(to_msg(RigidTransform{Quatf(2, 0, 0, 0), Vec3f::Zero()})));
     EXPECT_TRUE(from_msg(to_msg(Quatf(0, 2, 0, 0))).isApprox(Quatf(0, 1, 0, 0)));
 }
 

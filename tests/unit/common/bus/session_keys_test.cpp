@@ -135,7 +135,7 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
         metrics.measures().push_back(numbered_measures().*live_measure_fields[i].value);
     }
     for (std::size_t i = landmark_count; i-- > 0;) {
-        metrics.landmarks().push_back(to_msg(Vec3f(static_cast<float>(i), 0.0f, 0.0f)));
+        metrics.landmarks().push_back(to_msg(Vec3f(0.125f * static_cast<float>(i), 0.0f, 0.0f)));
     }
     const RuntimeParameters heard = keys.runtime_parameters(metrics);
     EXPECT_TRUE(std::isnan(heard.*runtime_parameter_fields[0].value)) << "the server does not have it";
@@ -147,7 +147,7 @@ TEST(SessionKeys, OtherVersionWorksOnCommonKeys) {
     EXPECT_TRUE(std::isnan(measures.*live_measure_fields[0].value));
     measures.*live_measure_fields[0].value = numbered_measures().*live_measure_fields[0].value;
     EXPECT_EQ(measures, numbered_measures());
-    EXPECT_EQ(keys.landmarks(metrics).value()[3].x(), 3.0f);
+    EXPECT_EQ(keys.landmarks(metrics).value()[3].x(), 0.375f);
     metrics.landmarks().pop_back();
     EXPECT_FALSE(keys.landmarks(metrics));
     metrics.landmarks().push_back(to_msg(Vec3f(nan, 0.0f, 0.0f)));

@@ -20,17 +20,18 @@ TEST(Interpolate, IsLinearWithConstantTurnRate) {
     EXPECT_LT((interpolate(from, to, 1.0f).translation - to.translation).norm(), 1e-8f);
 }
 
-TEST(IsRigid, RequiresFiniteValuesAndUnitQuaternion) {
+TEST(IsValidPose, RequiresFiniteUnitAndNearness) {
     const float none = std::numeric_limits<float>::quiet_NaN();
     const float endless = std::numeric_limits<float>::infinity();
-    EXPECT_TRUE(is_rigid({}));
-    EXPECT_TRUE(is_rigid({Quatf(1.009f, 0, 0, 0), Vec3f::Zero()}));
-    EXPECT_FALSE(is_rigid({Quatf(1.011f, 0, 0, 0), Vec3f::Zero()}));
-    EXPECT_FALSE(is_rigid({Quatf(0, 0, 0, 0), Vec3f::Zero()}));
-    EXPECT_FALSE(is_rigid({Quatf(none, 0, 0, 0), Vec3f::Zero()}));
-    EXPECT_FALSE(is_rigid({Quatf(endless, 0, 0, 0), Vec3f::Zero()}));
-    EXPECT_FALSE(is_rigid({Quatf::Identity(), Vec3f(0, none, 0)}));
-    EXPECT_FALSE(is_rigid({Quatf::Identity(), Vec3f(0, 0, endless)}));
+    EXPECT_TRUE(is_valid_pose({}));
+    EXPECT_TRUE(is_valid_pose({Quatf(1.0009f, 0, 0, 0), Vec3f::Zero()}));
+    EXPECT_FALSE(is_valid_pose({Quatf(1.0011f, 0, 0, 0), Vec3f::Zero()}));
+    EXPECT_FALSE(is_valid_pose({Quatf(0, 0, 0, 0), Vec3f::Zero()}));
+    EXPECT_FALSE(is_valid_pose({Quatf(none, 0, 0, 0), Vec3f::Zero()}));
+    EXPECT_FALSE(is_valid_pose({Quatf(endless, 0, 0, 0), Vec3f::Zero()}));
+    EXPECT_FALSE(is_valid_pose({Quatf::Identity(), Vec3f(0, none, 0)}));
+    EXPECT_FALSE(is_valid_pose({Quatf::Identity(), Vec3f(0, 0, endless)}));
+    EXPECT_FALSE(is_valid_pose({Quatf::Identity(), Vec3f(0, 2, 0)}, 1.0f));
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include "common/session/reader.hpp"
 #include "common/session/repair/check.hpp"
 #include "common/session/repair/damage.hpp"
-#include "common/session/repair/spsc_ring_buffer.hpp"
 #include "common/session/repair/superblock.hpp"
 #include "common/session/writer.hpp"
 #include "tests/support/eventually.hpp"
@@ -443,34 +442,6 @@ TEST_F(Session, ForeignFilesAreRefusedByName) {
     std::filesystem::remove(path);
     hdf5::File::create(path).close();
     EXPECT_NE(refusal().find("not a session"), std::string::npos) << refusal();
-}
-
-TEST(SpscRingBuffer, PassesEveryValueInOrderBetweenThreads) {
-    SpscRingBuffer<std::uint64_t> ring(7);
-    constexpr std::uint64_t count = 200000;
-    std::thread producer([&] {
-        for (std::uint64_t i = 0; i < count;) {
-            i += ring.push(i) ? 1 : 0;
-        }
-    });
-    for (std::uint64_t expected = 0; expected < count;) {
-        if (const std::uint64_t* value = ring.front()) {
-            ASSERT_EQ(*value, expected);
-            ring.pop();
-            ++expected;
-        }
-    }
-    producer.join();
-    EXPECT_EQ(ring.front(), nullptr);
-}
-
-TEST(SpscRingBuffer, HoldsItsCapacityAndNoMore) {
-    SpscRingBuffer<int> ring(3);
-    EXPECT_TRUE(ring.push(1) && ring.push(2) && ring.push(3));
-    EXPECT_FALSE(ring.push(4));
-    ring.pop();
-    EXPECT_TRUE(ring.push(5));
-    EXPECT_EQ(*ring.front(), 2);
 }
 
 TEST(MetadataChecksum, MatchesTheAuthorsTestVectors) {

@@ -84,7 +84,7 @@ SceneState pressed_state(int cycle) {
 
 /// Allocations of that many cycles, each with the messages that `scene` returns for it.
 template <class Scene>
-long allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneState>& newest, const Scene& scene) {
+long allocations_of(int cycles, HapticCycle& cycle, Mailbox<SceneState>& newest, const Scene& scene) {
     const long before = test::allocations_here();
     for (int i = 1; i <= cycles; ++i) {
         if (i % 6 == 0) {
@@ -100,7 +100,7 @@ long allocations_of(int cycles, HapticCycle& cycle, TripleBuffer<SceneState>& ne
 TEST(HapticCycle, AllocatesNothing) {
     const SensorSetup setup = setup_with_script();
     HandSensor sensor(setup);
-    auto scene = std::make_unique<TripleBuffer<SceneState>>();
+    auto scene = std::make_unique<Mailbox<SceneState>>();
     HapticCycle cycle(sensor, *scene, {});
     const auto free = [&](int i) {
         // Half-way another session begins and the script restarts.
@@ -125,7 +125,7 @@ TEST(HapticCycle, AllocatesNothingInContact) {
             settings.gimbal = {0, 0.06f, 0};
             Shaken device;
             SensorMonitor watch(device);
-            auto scene = std::make_unique<TripleBuffer<SceneState>>();
+            auto scene = std::make_unique<Mailbox<SceneState>>();
             HapticCycle cycle(watch, *scene, settings);
             EXPECT_EQ(allocations_of(3000, cycle, *scene, pressed_state), 0);
             // Skipped computations allocate nothing either.
@@ -138,7 +138,7 @@ TEST(HapticCycle, AllocatesNothingInContact) {
 
 TEST(HapticCycle, AllocatesNothingWhenReleasingAForce) {
     Shaken device;
-    auto scene = std::make_unique<TripleBuffer<SceneState>>();
+    auto scene = std::make_unique<Mailbox<SceneState>>();
     HapticCycle cycle(device, *scene, {});
     const auto not_finite = [](int i) {
         SceneState state = pressed_state(i);
@@ -170,7 +170,7 @@ class Coming final : public Sensor {
 
 TEST(HapticCycle, DeviceLossOrStopZeroesForceImmediately) {
     Coming sensor;
-    auto scene = std::make_unique<TripleBuffer<SceneState>>();
+    auto scene = std::make_unique<Mailbox<SceneState>>();
     HapticCycle cycle(sensor, *scene, {});
     SceneState state;
     std::int64_t now = 1'000 * ms;

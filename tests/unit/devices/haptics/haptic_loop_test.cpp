@@ -203,7 +203,7 @@ TEST(HapticLoop, PublishesPosesAtItsRate) {
     }
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     device.loop.stop();
-    EXPECT_TRUE(bus::is_valid(pose.pose()));
+    EXPECT_TRUE(bus::valid_pose(pose.pose()));
     EXPECT_LT((bus::from_msg(pose.pose()).translation - parked_pose(Tool::laryngoscope).translation).norm(),
               1e-4f);
     // At most one a millisecond, and the late ones from just before.

@@ -37,7 +37,7 @@ struct Server {
         bus::set_measures({.glottic_opening_percent = 44.0f, .tube_depth_past_glottis = -0.02f}, out);
         out.tube_tip(bus::to_msg(Vec3f(0.1f, 0.2f, 0.3f)));
         for (std::size_t i = 0; i < landmark_count; ++i) {
-            out.landmarks().push_back(bus::to_msg(Vec3f(static_cast<float>(i), 0, 0)));
+            out.landmarks().push_back(bus::to_msg(Vec3f(0.125f * static_cast<float>(i), 0, 0)));
         }
         return out;
     }
@@ -87,7 +87,7 @@ TEST_F(SceneLinkTest, CollectsTheScriptsSurroundings) {
     EXPECT_FLOAT_EQ(around.seen.glottic_opening_percent, 44.0f);
     EXPECT_FLOAT_EQ(around.seen.tube_depth_past_glottis, -0.02f);
     EXPECT_EQ(around.seen.tube_tip, Vec3f(0.1f, 0.2f, 0.3f));
-    EXPECT_EQ(at(around.seen.landmarks, Landmark::carina), Vec3f(14, 0, 0));
+    EXPECT_EQ(at(around.seen.landmarks, Landmark::carina), Vec3f(14 * 0.125f, 0, 0));
     EXPECT_NEAR(around.seen.time, 7.0 / 180.0, 1e-6);
     ASSERT_TRUE(eventually([&] {
         server_.proxy.publish(Server::state(8));

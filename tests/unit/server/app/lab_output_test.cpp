@@ -103,13 +103,12 @@ TEST_F(LabOutputTest, UnsubscribedTopicsAreNotComputed) {
     // Readers of other topics do not count.
     bus::Subscriber<msg::DeformationState> other(client_, bus::topics::deformation);
     steps(60);
-    const LabWork idle = output_.work();
-    EXPECT_EQ(idle.frames_copied + idle.particles_copied + idle.surfaces_written + idle.particles_written,
+    const LabWork& work = output_.work();
+    EXPECT_EQ(work.frames_copied + work.particles_copied + work.surfaces_written + work.particles_written,
               0u);
 
     std::optional<bus::Subscriber<msg::MeshState>> meshes(std::in_place, client_, bus::topics::mesh_state);
     (void)whole_state(*meshes);
-    LabWork work = output_.work();
     EXPECT_GT(work.surfaces_written, 0u);
     EXPECT_EQ(work.particles_copied + work.particles_written, 0u);
     meshes.reset();
@@ -117,16 +116,17 @@ TEST_F(LabOutputTest, UnsubscribedTopicsAreNotComputed) {
     bus::Subscriber<msg::ParticleState> particles(client_, bus::topics::particle_state);
     (void)whole_state(particles);
     const auto still = [&] {
-        const std::uint64_t before = output_.work().surfaces_written;
+        const std::uint64_t before = work.surfaces_written;
         steps(12);
-        return output_.work().surfaces_written == before;
+        return work.surfaces_written == before;
     };
     ASSERT_TRUE(eventually(still)) << "surfaces go on without a reader";
-    work = output_.work();
+    const std::uint64_t copied = work.frames_copied, surfaces = work.surfaces_written,
+                        written = work.particles_written;
     steps(60);
-    EXPECT_EQ(output_.work().frames_copied, work.frames_copied);
-    EXPECT_EQ(output_.work().surfaces_written, work.surfaces_written);
-    EXPECT_GT(output_.work().particles_written, work.particles_written);
+    EXPECT_EQ(work.frames_copied, copied);
+    EXPECT_EQ(work.surfaces_written, surfaces);
+    EXPECT_GT(work.particles_written, written);
 }
 
 TEST_F(LabOutputTest, SurfacesMatchClientSkinning) {

@@ -1,16 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/view/attempt_report.hpp"
+#include "common/bus/codec/attempt_report.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/view/text.hpp"
+#include "common/bus/codec/convert.hpp"
+#include "common/model/utf8.hpp"
 
-namespace eti::view {
+namespace eti::bus {
 
-std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bus::SessionKeys& keys,
-                                    std::string& why) {
+msg::AttemptSummary encode_attempt(const AttemptReport& report, std::uint32_t number) {
+    msg::AttemptSummary message;
+    message.header(make_header(report.ended_ns, number));
+    message.attempt(report.attempt);
+    message.success(report.outcome.success);
+    message.reason(report.outcome.reason);
+    message.parameters(to_msg(report.metrics));
+    return message;
+}
+
+std::optional<AttemptReport> decode_attempt(const msg::AttemptSummary& message, const SessionKeys& keys,
+                                            std::string& why) {
     // NaN marks values that an attempt does not have.
     if (std::ranges::any_of(message.parameters(), [](double value) { return std::isinf(value); })) {
         why = "an infinite parameter";
@@ -30,4 +41,4 @@ std::optional<AttemptReport> decode(const msg::AttemptSummary& message, const bu
     return report;
 }
 
-}  // namespace eti::view
+}  // namespace eti::bus

@@ -6,27 +6,32 @@
 #include <cstddef>
 #include <vector>
 
-namespace eti::session {
+namespace eti {
 
-/// Bounded single-producer single-consumer queue; neither thread ever waits. Slots are assigned, not
-/// reconstructed, so records keep their memory: no allocation once every slot has been used.
+/// Bounded queue from one producing to one consuming thread; neither ever waits. Slots are assigned, not
+/// reconstructed, so values keep their memory: no allocation once every slot has been used.
 template <class T>
-class SpscRingBuffer {
+class SpscQueue {
   public:
-    explicit SpscRingBuffer(std::size_t capacity) : slots_(capacity + 1) {}
+    explicit SpscQueue(std::size_t capacity) : slots_(capacity + 1) {}
 
     [[nodiscard]] std::size_t capacity() const { return slots_.size() - 1; }
 
+    /// Producer: the slot to fill before push(), or nullptr when the queue is full.
+    [[nodiscard]] T* back() {
+        const std::size_t head = head_.load(std::memory_order_relaxed);
+        return after(head) == tail_.load(std::memory_order_acquire) ? nullptr : &slots_[head];
+    }
+    void push() { head_.store(after(head_.load(std::memory_order_relaxed)), std::memory_order_release); }
+
     /// Producer. False when full.
     [[nodiscard]] bool push(const T& value) {
-        const std::size_t head = head_.load(std::memory_order_relaxed);
-        const std::size_t next = after(head);
-        if (next == tail_.load(std::memory_order_acquire)) {
-            return false;
+        T* const slot = back();
+        if (slot != nullptr) {
+            *slot = value;
+            push();
         }
-        slots_[head] = value;
-        head_.store(next, std::memory_order_release);
-        return true;
+        return slot != nullptr;
     }
 
     /// Consumer: the oldest value, or nullptr. Valid until pop().
@@ -47,4 +52,4 @@ class SpscRingBuffer {
     alignas(64) std::atomic<std::size_t> tail_{0};
 };
 
-}  // namespace eti::session
+}  // namespace eti

@@ -9,7 +9,7 @@
 #include "common/bus/security/session_keys.hpp"
 #include "common/model/attempt_metrics.hpp"
 
-namespace eti::view {
+namespace eti::bus {
 
 /// Outcome of an attempt, or of the whole run.
 struct AttemptReport {
@@ -19,9 +19,12 @@ struct AttemptReport {
     AttemptMetrics metrics;
 };
 
+/// The message with its header's time.
+[[nodiscard]] msg::AttemptSummary encode_attempt(const AttemptReport& report, std::uint32_t number);
+
 /// Validates a message: metrics must be finite or NaN, the reason printable. Returns nullopt if rejected,
 /// with the reason in `why`. `keys`: identifies the values.
-[[nodiscard]] std::optional<AttemptReport> decode(const msg::AttemptSummary& message,
-                                                  const bus::SessionKeys& keys, std::string& why);
+[[nodiscard]] std::optional<AttemptReport> decode_attempt(const msg::AttemptSummary& message,
+                                                          const SessionKeys& keys, std::string& why);
 
-}  // namespace eti::view
+}  // namespace eti::bus

@@ -1,14 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/view/scene_object.hpp"
+#include "common/bus/codec/scene_object.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-namespace eti::view {
+namespace eti::bus {
 namespace {
+
+msg::SceneDescription named(const std::string& name, msg::ObjectKind kind) {
+    msg::SceneDescription message;
+    message.object(name);
+    message.kind(kind);
+    return message;
+}
+
+void append(std::span<const Vec3f> points, msg::SceneDescription& message) {
+    for (const Vec3f& p : points) {
+        message.vertices().insert(message.vertices().end(), {p.x(), p.y(), p.z()});
+    }
+}
+
+void append(const TriangleMesh& mesh, msg::SceneDescription& message) {
+    append(mesh.vertices, message);
+    for (const Triangle& t : mesh.triangles) {
+        message.triangles().insert(message.triangles().end(), t.begin(), t.end());
+    }
+}
 
 bool read_points(const std::vector<float>& flat, std::vector<Vec3f>& points, std::string& why) {
     if (flat.empty() || flat.size() % 3 != 0) {
@@ -18,7 +38,7 @@ bool read_points(const std::vector<float>& flat, std::vector<Vec3f>& points, std
     points.reserve(flat.size() / 3);
     for (std::size_t i = 0; i < flat.size(); i += 3) {
         const Vec3f point(flat[i], flat[i + 1], flat[i + 2]);
-        if (!plausible(point)) {
+        if (!is_valid_point(point)) {
             why = fmt::format("vertex {} is not finite or lies beyond {} m", i / 3, max_coordinate);
             return false;
         }
@@ -120,36 +140,59 @@ std::optional<SceneObject> decode_surface(const msg::SceneDescription& message, 
 
 }  // namespace
 
-bool plausible(const Vec3f& point) {
-    // Written so that NaN is rejected.
-    return point.cwiseAbs().maxCoeff() <= max_coordinate && point.allFinite();
+msg::SceneDescription encode_frames(std::span<const Vec3f> rest_centres) {
+    msg::SceneDescription message = named("frames", msg::OBJECT_FRAMES);
+    append(rest_centres, message);
+    return message;
 }
 
-std::optional<SceneObject> decode(const msg::SceneDescription& message, std::string& why) {
+msg::SceneDescription encode_surface(const Surface& surface) {
+    msg::SceneDescription message = named(surface.name, msg::OBJECT_SURFACE);
+    message.tissue(static_cast<std::uint32_t>(surface.tissue));
+    append(surface.mesh, message);
+    for (const Tissue tissue : surface.triangle_tissue) {
+        message.triangle_tissue().push_back(static_cast<std::uint8_t>(tissue));
+    }
+    for (const SkinWeights& skin : surface.skin) {
+        message.skin_frame().insert(message.skin_frame().end(), skin.frame.begin(), skin.frame.end());
+        for (const float weight : skin.weight) {
+            message.skin_weight().push_back(static_cast<std::uint16_t>(std::lround(weight * 65535.0f)));
+        }
+    }
+    return message;
+}
+
+msg::SceneDescription encode_laryngoscope(const TriangleMesh& mesh) {
+    msg::SceneDescription message = named(laryngoscope_object, msg::OBJECT_TOOL);
+    append(mesh, message);
+    return message;
+}
+
+std::optional<SceneObject> decode_scene_object(const msg::SceneDescription& message, std::string& why) {
     switch (message.kind()) {
         case msg::OBJECT_FRAMES: {
-            RestFrames frames;
-            if (!read_points(message.vertices(), frames.rest_centre, why)) {
+            std::vector<Vec3f> rest_centres;
+            if (!read_points(message.vertices(), rest_centres, why)) {
                 return std::nullopt;
             }
-            if (frames.rest_centre.size() > 65536) {
-                why = fmt::format("{} frames; an index has 16 bits", frames.rest_centre.size());
+            if (rest_centres.size() > 65536) {
+                why = fmt::format("{} frames; an index has 16 bits", rest_centres.size());
                 return std::nullopt;
             }
-            return frames;
+            return rest_centres;
         }
         case msg::OBJECT_SURFACE:
             return decode_surface(message, why);
         case msg::OBJECT_TOOL: {
-            ToolMesh tool;
-            if (!read_mesh(message, tool.mesh, why)) {
+            TriangleMesh mesh;
+            if (!read_mesh(message, mesh, why)) {
                 return std::nullopt;
             }
-            return tool;
+            return mesh;
         }
     }
     why = fmt::format("unknown kind {}", static_cast<int>(message.kind()));
     return std::nullopt;
 }
 
-}  // namespace eti::view
+}  // namespace eti::bus
