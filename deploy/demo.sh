@@ -11,13 +11,13 @@ usage() {
 Usage: deploy/demo.sh [OPTION...]
 Calibrates a simulated haptic device and a simulated tracker, then runs one intubation by a scripted operator
 with six processes over the bus: server, haptic device, tube tracker, the assistant's controller, the
-trainee's client and an observer's client. Prints the performance table and names the
+trainee's client and an observer's client. Prints the metrics and the paths of the
 session file, the pictures and the video. Exit 0 only if the trachea was intubated.
   --scenario NAME   scenario under deploy/data/scenarios, or a file (default: term)
   --operator NAME   operator under deploy/data/operators, or a file (default: expert)
-  --out DIR         where the results go, in a folder of their own (default: out/demo)
+  --out DIR         folder for the results, in a subfolder of their own (default: out/demo)
   --domain N        DDS domain (default: 0)
-  --keep-going      when a process dies, carry on with the others
+  --keep-going      if a process fails, continue with the others
   --no-build        use build/release as it is
   --help            print this
 USAGE
@@ -27,7 +27,7 @@ build=yes options=()
 while [ $# -gt 0 ]; do
     case $1 in
         --scenario | --operator | --out | --domain)
-            [ $# -ge 2 ] || eti_fail "$1 wants a value; see --help"
+            [ $# -ge 2 ] || eti_fail "$1 expects a value; see --help"
             options+=("$1" "$2")
             shift
             ;;

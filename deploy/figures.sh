@@ -23,18 +23,18 @@ OUT=$ETI_ROOT/out/figures
 usage() {
     cat <<USAGE
 Usage: deploy/figures.sh [--quick | --stale] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
-Measures anew what docs/ shows and draws it. Without options that takes more than seven hours. A part's tables replace
-those of docs/charts once its measurement has ended well; until then they lie in out/figures.
+Repeats the measurements shown in docs/ and draws them. Without options this takes more than seven hours. A part's tables replace
+those of docs/charts once its measurement has succeeded; until then they are in out/figures.
   --quick       measure nothing: draw all charts again from the tables of docs/charts
-  --stale       only the parts whose tables belong to another physics version, cheapest first: names them, then
-                measures them anew. With --list: only names them
-  --only NAME this part; may be given several times:
+  --stale       only the parts whose tables belong to another physics version, cheapest first: lists them, then
+                measures them again. With --list: only lists them
+  --only NAME   this part; may be repeated:
 $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "${TAKES[$part]}"; done)
-  --demo DIR    for pictures: take those of this demo's folder (out/demo/demo-...) instead of running one,
+  --demo DIR    for pictures: use those in this demo's folder (out/demo/demo-...) instead of running one,
                 also with --quick
   --no-build    use build/release as it is
   --no-install  do not look for missing packages
-  --list        name the files that it makes, and make none
+  --list        list the output files without writing them
   --help        print this
 Sufficiency, sleep, bus and soak have tables and no figure. Pictures are README's, anatomy the slices of segmented heads,
 render the views against their goals, readers what a lab's own program reads and its cost, panel the instructor's beside
@@ -48,12 +48,12 @@ while [ $# -gt 0 ]; do
         --quick) quick=yes ;;
         --stale) stale=yes ;;
         --only)
-            [ $# -ge 2 ] && [ -n "${TAKES[$2]:-}" ] || eti_fail "--only wants one of: ${PARTS[*]}"
+            [ $# -ge 2 ] && [ -n "${TAKES[$2]:-}" ] || eti_fail "--only expects one of: ${PARTS[*]}"
             only+=("$2")
             shift
             ;;
         --demo)
-            [ $# -ge 2 ] || eti_fail "--demo wants a demo's folder; see --help"
+            [ $# -ge 2 ] || eti_fail "--demo expects a demo's folder; see --help"
             demo=$2
             shift
             ;;
@@ -65,7 +65,7 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-[ $quick = no ] || [ $stale = no ] || eti_fail "--quick measures nothing, so that nothing stale can become fresh: give one of both"
+[ $quick = no ] || [ $stale = no ] || eti_fail "--quick measures nothing, so it cannot refresh stale tables: omit one of the two"
 if [ ${#only[@]} -eq 0 ]; then
     [ $stale = yes ] && only=("${STAMPED[@]}") || only=("${PARTS[@]}")
 fi
@@ -102,7 +102,7 @@ pictures() {
     fi
     for view in "${PICTURES[@]}"; do
         found=("$folder"/observer/"${view}"_best_*.png)
-        [ -f "${found[0]}" ] || { eti_say "There is no ${view}_best_*.png in $folder/observer; give a demo's folder."; return 1; }
+        [ -f "${found[0]}" ] || { eti_say "There is no ${view}_best_*.png in $folder/observer; pass a demo's folder."; return 1; }
     done
     for view in "${PICTURES[@]}"; do
         cp "$folder"/observer/"${view}"_best_*.png "$ETI_ROOT/docs/$view.png" || return 1
@@ -190,7 +190,7 @@ measure() {
 
 name_stale() {
     local found
-    found=$(stamps --stale "${only[@]}") || eti_fail "the physics version is not known; see above"
+    found=$(stamps --stale "${only[@]}") || eti_fail "the physics version is unknown; see above"
     mapfile -t only < <(printf '%s' "$found" | sed '/^$/d')
     for part in "${only[@]}"; do printf '%-12s %s\n' "$part" "${TAKES[$part]}"; done
 }
@@ -224,14 +224,14 @@ if [ $quick = no ] && [ $build = yes ]; then
 fi
 if [ $stale = yes ]; then
     name_stale
-    [ ${#only[@]} -gt 0 ] || { eti_say "Every table belongs to today's physics version."; exit 0; }
+    [ ${#only[@]} -gt 0 ] || { eti_say "Every table belongs to the current physics version."; exit 0; }
 fi
 failed=()
 for number in "${!only[@]}"; do
     part=${only[$number]}
     if [ $quick = no ] || { [ "$part" = pictures ] && [ -n "$demo" ]; }; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, measuring (${TAKES[$part]})"
-        measure "$part" || { failed+=("$part"); eti_say "$part failed; what docs/ showed of it stays."; continue; }
+        measure "$part" || { failed+=("$part"); eti_say "$part failed; its tables in docs/ are unchanged."; continue; }
         case " ${STAMPED[*]} " in *" $part "*) stamps --record "$part" "deploy/figures.sh --only $part" || failed+=("$part") ;; esac
     fi
     if draws "$part"; then
@@ -241,7 +241,7 @@ for number in "${!only[@]}"; do
     # What the pages say of these tables, where they were measured just now.
     if [ $quick = no ] && grep -q "^class ${part^}(" "$ETI_ROOT/tests/bench/check_tables.py"; then
         "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/check_tables.py" "${part^}" >&2 ||
-            { failed+=("$part"); eti_say "$part: the tables are no longer what the pages say of them; see above, and correct the pages."; }
+            { failed+=("$part"); eti_say "$part: the pages contradict the new tables; see above, and correct the pages."; }
     fi
 done
 [ ${#failed[@]} -eq 0 ] || eti_fail "failed: ${failed[*]}"

@@ -9,10 +9,10 @@ set -u
 usage() {
     cat <<USAGE
 Usage: deploy/package.sh [--out DIR] [--no-build] [--no-install]
-Makes the Debian packages neoeti-server, -client, -devices, -tools, -data, -doc, and neoeti, which asks for all
-of them and has eti-demo. Examines them with lintian, whose errors are errors here.
-  --out DIR      where they go (default: out/packages)
-  --no-build     take build/release as it is
+Builds the Debian packages neoeti-server, -client, -devices, -tools, -data, -doc, and neoeti, which depends
+on all of them and contains eti-demo. Checks them with lintian, whose errors are fatal here.
+  --out DIR      folder for the packages (default: out/packages)
+  --no-build     use build/release as it is
   --no-install   do not look for missing packages
   --help         print this
 USAGE
@@ -22,7 +22,7 @@ out=$ETI_ROOT/out/packages build=yes install=yes
 while [ $# -gt 0 ]; do
     case $1 in
         --out)
-            [ $# -ge 2 ] || eti_fail "--out wants a folder; see --help"
+            [ $# -ge 2 ] || eti_fail "--out expects a folder; see --help"
             out=$2
             shift
             ;;
@@ -39,7 +39,7 @@ if [ $build = yes ]; then
     eti_say "Building build/release ..."
     eti_build release -DETI_TESTS=ON programs eti-bench || exit 1
 fi
-mkdir -p "$out" || eti_fail "cannot make $out; choose another folder with --out"
+mkdir -p "$out" || eti_fail "cannot create $out; choose another folder with --out"
 out=$(cd "$out" && pwd)
 rm -f "$out"/neoeti*.deb
 work=$(mktemp -d) || exit 1

@@ -12,18 +12,17 @@ PARTS=(fuzz asan tsan)
 usage() {
     cat <<USAGE
 Usage: deploy/sanitize.sh [--short] [--only PART]... [--reader NAME]... [--runs N] [--minutes M] [--out DIR] [--no-install]
-Fuzzes what reads files and messages of others, then runs the unit tests and a short whole session under the
+Fuzzes the readers of external files and messages, then runs the unit tests and a short whole session under the
 address, undefined-behaviour and thread sanitizers. The last line reads "N passed, N failed"; exit 0 only if none failed.
-  --short        only the fuzz targets, each with its kept inputs (tests/fuzz/corpus) and a few seconds of its own:
-                 what deploy/test.sh --fuzz runs
-  --only PART    fuzz (build/fuzz, clang), asan (build/asan: address and undefined behaviour) or tsan (build/tsan);
-                 may be given several times
-  --reader NAME  fuzz this reader, a file of tests/fuzz; may be given several times
+  --short        only the fuzz targets, each with its corpus (tests/fuzz/corpus) and a few seconds of new
+                 inputs: run by deploy/test.sh --fuzz
+  --only PART    fuzz (build/fuzz, clang), asan (build/asan: address and undefined behaviour) or tsan (build/tsan); may be repeated
+  --reader NAME  fuzz this reader, a file of tests/fuzz; may be repeated
   --runs N       inputs for each fuzz target (default: 10000000)
-  --minutes M    at most for each fuzz target (default: 0, no limit)
-  --out DIR      where findings, logs and fuzz.csv go (default: out/sanitize)
+  --minutes M    time limit of each fuzz target (default: 0, no limit)
+  --out DIR      folder for findings, logs and fuzz.csv (default: out/sanitize)
   --no-install   do not look for missing packages
-A finding is a file in DIR/READER that ends its target: build/fuzz/fuzz/fuzz-READER FILE shows it again.
+A finding is a file in DIR/READER that crashes its target: build/fuzz/fuzz/fuzz-READER FILE reproduces it.
 USAGE
 }
 
@@ -41,7 +40,7 @@ while [ $# -gt 0 ]; do
         --no-install) install=no ;;
         --help) usage; exit 0 ;;
         --only | --reader | --runs | --minutes | --out)
-            [ $# -ge 2 ] || { eti_say "sanitize.sh: $1 wants a value; see --help"; exit 2; }
+            [ $# -ge 2 ] || { eti_say "sanitize.sh: $1 expects a value; see --help"; exit 2; }
             case $1 in
                 --only)
                     [[ " ${PARTS[*]} " = *" $2 "* ]] ||

@@ -247,8 +247,8 @@ class Session:
                 self.show_progress(progress)
             elif now - shown > 10.0:
                 shown = now
-                self.say(f"Waiting for the server's first step: {now - began:.0f} s so far. A patient that is new here takes "
-                         "half a minute to build.")
+                self.say(f"Waiting for the server's first step: {now - began:.0f} s so far. Building a new patient takes "
+                         "half a minute.")
             time.sleep(0.1)
 
     def finish(self):
@@ -260,7 +260,7 @@ class Session:
             if program.process and not program.wait(deadline - time.monotonic()):
                 late.append(program.name)
         for name in late:
-            self.say(f"{name} did not end by itself; ending it.")
+            self.say(f"{name} did not exit; terminating it.")
             self.programs[name].send(signal.SIGTERM)
         deadline = time.monotonic() + END_ON_REQUEST
         for name in late:
@@ -310,7 +310,7 @@ def prepare_folder(folder):
         trial.unlink()
     except OSError as error:
         remedy = "free some space" if error.errno in (errno.ENOSPC, errno.EDQUOT) else "choose another folder"
-        sys.exit(f"demo: cannot write into {folder}: {error.strerror}. Remedy: {remedy}, or --out DIR.")
+        sys.exit(f"demo: cannot write to {folder}: {error.strerror}. Remedy: {remedy}, or --out DIR.")
     free = shutil.disk_usage(folder).free
     if free < SPACE_NEEDED:
         sys.exit(f"demo: {folder} has {free / 1e6:.0f} MB left, a demo may need {SPACE_NEEDED / 1e6:.0f} MB. "
@@ -321,7 +321,7 @@ def pace(server, haptics):
     """How well server and hand kept up with real time, from their final reports: lines of a table."""
     rows = []
     if haptics.get("cycles", 0) > 0:
-        rows.append(("Forces were whole", f"{100 * (1 - haptics['stale_share']):.1f} % of the time"))
+        rows.append(("Forces were complete", f"{100 * (1 - haptics['stale_share']):.1f} % of the time"))
         rows.append(("Largest force felt", f"{haptics['force_n']['max']:.1f} N"))
     if server.get("steps", 0) > 0:
         simulated = server["steps"] * 1e-3 * server["step_budget_ms"]
@@ -347,7 +347,7 @@ def show(session):
         print(line)
     controller = session.said("controller")
     if controller:
-        print(f"The assistant gave {controller['commands']} commands, {controller['accepted']} were accepted.\n")
+        print(f"The assistant sent {controller['commands']} commands, {controller['accepted']} were accepted.\n")
     print(f"Session file  {session.record}")
     print(f"Calibrations  {session.folder / 'simulated.yaml'}, {session.folder / 'scripted.yaml'}")
     pictures, videos = session.products(".png"), session.products(".mp4")
@@ -361,7 +361,7 @@ def show(session):
     print(f"Logs          {session.folder / 'logs'}")
     for kind, files in (("picture", pictures), ("video", videos)):
         if not files:
-            session.say(f"No {kind} was made; see {session.programs['trainee'].log}.")
+            session.say(f"No {kind} was written; see {session.programs['trainee'].log}.")
     return bool(summary.get("success")) and bool(pictures) and bool(videos)
 
 
@@ -385,7 +385,7 @@ def main():
     prepare_folder(folder)
 
     session = Session(options.bin, folder, options.scenario, options.operator, options.domain, name)
-    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "asked to end")):
+    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated")):
         signal.signal(number, lambda *_, why=why: session.stop(why))
     session.say(f"Session {name}: {options.operator} intubates in scenario {options.scenario}.")
     session.start()
@@ -396,7 +396,7 @@ def main():
     if session.stopping:
         session.say(f"The demo was stopped: {session.stopping}.")
     elif not ended_well:
-        session.say("Not every process ended well; see above.")
+        session.say("Some processes failed; see above.")
     return 0 if succeeded and ended_well and not session.stopping else 1
 
 

@@ -45,8 +45,8 @@ eti_install() {
     local wanted missing as_root=() release
     mapfile -t wanted < <(eti_packages "$@")
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-        eti_say "There is no apt here, so nothing was installed. These are Debian 12's names of the packages"
-        eti_say "needed; install what your system calls them, then build with cmake --preset release:"
+        eti_say "There is no apt here, so nothing was installed. These are the names in Debian 12 of the packages"
+        eti_say "needed; install their equivalents, then build with cmake --preset release:"
         printf '  %s\n' "${wanted[@]}" >&2
         exit 3
     fi
@@ -72,7 +72,7 @@ eti_install() {
     eti_watched eti_read_apt "Package lists" "$logs/apt-update.log" \
         "${apt[@]}" update -o APT::Update::Error-Mode=any || {
         updated=no
-        eti_say "apt-get update failed (see above); trying with the package lists at hand."
+        eti_say "apt-get update failed (see above); trying with the existing package lists."
     }
     # For apt-get, packages left half configured by an interrupted installation are not missing, but stop it.
     "${as_root[@]}" dpkg --configure -a >"$logs/dpkg.log" 2>&1 </dev/null
@@ -124,7 +124,7 @@ eti_build() {
     local output
     output=$(cd "$ETI_ROOT" && cmake --preset "$preset" "${options[@]}" 2>&1 </dev/null) || {
         eti_say "$output"
-        eti_say "Configuring $preset failed; the cause stands above. deploy/setup.sh installs what is missing."
+        eti_say "Configuring $preset failed; see the cause above. deploy/setup.sh installs what is missing."
         return 1
     }
     (cd "$ETI_ROOT" && eti_watched eti_read_ninja "Building build/$preset" "$log" \
@@ -152,7 +152,7 @@ eti_phase() {
 
 # For scripts that build: on Ctrl-C, keeps the finished part and says so.
 eti_resumable() {
-    trap 'eti_say ""; eti_say "Stopped. The same command goes on from here: what is installed and built stays."; exit 130' INT
+    trap 'eti_say ""; eti_say "Stopped. The same command resumes from here: installed packages and built files are kept."; exit 130' INT
 }
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
@@ -164,7 +164,7 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
         *)
             cat <<USAGE
 Usage: deploy/setup.sh [--server-only | --list]
-Installs the Debian packages that building, running and testing need, and that are missing.
+Installs the missing Debian packages needed for building, running and testing.
   --server-only   only what a build without the client needs (cmake -DETI_CLIENT=OFF -DETI_TESTS=OFF)
   --list          print the packages and install nothing
 USAGE

@@ -11,11 +11,11 @@ usage() {
     cat <<USAGE
 Usage: deploy/test.sh [--quick | --whole] [--fuzz] [--no-install]
 Builds into build/release and runs the tests. The last line reads "N passed, N failed"; exit 0 only if none
-failed. What tests/known_failures.txt names is run, too; the last line says if it failed.
+failed. Tests listed in tests/known_failures.txt are run as well; the last line reports their failures.
 deploy/sanitize.sh runs the tests under the sanitizers.
   --quick        only the unit tests
-  --whole        also the long ones, whole sweeps of which a part runs otherwise
-  --fuzz         then also what deploy/sanitize.sh --short runs: fuzz targets, built with clang in build/fuzz
+  --whole        also the long ones: complete sweeps, of which other runs do a part
+  --fuzz         also run deploy/sanitize.sh --short: fuzz targets, built with clang in build/fuzz
   --no-install   do not look for missing packages
 USAGE
 }
@@ -48,5 +48,5 @@ fi
 [ $fuzz = yes ] && fuzz_smoke
 eti_phase testing
 eti_say "Took $SECONDS s: $eti_phases."
-[ $failed -eq 0 ] || eti_say "What the tests printed: $ETI_ROOT/build/logs/test-release.log"
+[ $failed -eq 0 ] || eti_say "Output of the tests: $ETI_ROOT/build/logs/test-release.log"
 ends

@@ -12,16 +12,16 @@ USER_THERE=trainee
 usage() {
     cat <<USAGE
 Usage: deploy/try_bare.sh [--as root|user]... [--only demo|test]... [--mirror URL] [--logs DIR] [--no-install]
-Makes a bare Debian 12 (debootstrap, minbase) in a temporary folder and runs deploy/demo.sh and deploy/test.sh of this
+Creates a bare Debian 12 (debootstrap, minbase) in a temporary folder and runs deploy/demo.sh and deploy/test.sh of this
 checkout in it, without a display: as root in a folder without .git, as from an archive; and, in another such system, as
 a user who may use sudo, whose home is read-only and whose clone lies in a folder with a space in its name. The user's
-build reuses what root's has compiled. Says what was missing, and ends with the time that installing, building and
-running took, and the disk space. Exit 0 only if every command passed.
+build reuses root's compiler cache. Reports what was missing, the times of
+installing, building and running, and the disk space. Exit 0 only if every command passed.
 Needs root, 12 GB in TMPDIR (default /var/tmp), and a mirror: that of this machine's apt, or --mirror.
   --as WHO        root or user; may be given twice (default: both)
   --only COMMAND  demo or test; may be given twice (default: both)
   --mirror URL    Debian mirror
-  --logs DIR      where each command's output and build logs go (default: out/try_bare)
+  --logs DIR      folder for each command's output and build logs (default: out/try_bare)
   --no-install    do not look for debootstrap
   --help          print this
 USAGE
@@ -57,7 +57,7 @@ run_command() {
     if [ "$status" -ne 0 ]; then
         missing=$(grep -hE 'command not found|No such file or directory|Could NOT find|[Cc]annot find|was not found|ModuleNotFoundError|^(Failed|Skipped):' \
             "$log" | sort -u | head -n 40)
-        eti_say "As $who, deploy/$script.sh failed. Of what it said, this may name what is missing; all of it: $log"
+        eti_say "As $who, deploy/$script.sh failed. These lines of its output may name what is missing; full log: $log"
         eti_say "${missing:-(nothing of the kind)}"
         failures=$((failures + 1))
     fi
@@ -131,6 +131,6 @@ done
 [ $install = yes ] && eti_install bare
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
-mkdir -p "$logs" || eti_fail "cannot make $logs; choose another folder with --logs"
+mkdir -p "$logs" || eti_fail "cannot create $logs; choose another folder with --logs"
 bare_enter bare "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
 eti_say "On a bare Debian 12 every command passed."

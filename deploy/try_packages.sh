@@ -14,10 +14,9 @@ DOMAIN_THERE=91          # separate from any other program on this machine
 usage() {
     cat <<USAGE
 Usage: deploy/try_packages.sh [--packages DIR] [--mirror URL] [--no-install]
-Makes a bare Debian 12 (debootstrap, minbase) in a temporary folder, installs these packages there with what they
-depend on, runs eti-demo, and removes them. Exit 0 only if the trachea was intubated and nothing was left behind.
+Creates a bare Debian 12 (debootstrap, minbase) in a temporary folder, installs these packages there with their dependencies, runs eti-demo, and removes them. Exit 0 only if the trachea was intubated and nothing was left behind.
 Needs root, 1.5 GB in TMPDIR (default /var/tmp), and a mirror: that of this machine's apt, or --mirror.
-  --packages DIR   packages by deploy/package.sh (default: out/packages; made when there are none)
+  --packages DIR   packages built by deploy/package.sh (default: out/packages; built if there are none)
   --mirror URL     Debian mirror
   --no-install     do not look for missing packages
   --help           print this
@@ -42,7 +41,7 @@ inside() {
     after=$(bare_run dpkg-query -W -f '.\n' | wc -l)
     eti_say "$((after - before)) packages beside the $before of the bare system," \
             "$(du -sm --one-file-system "$system" | cut -f 1) MB in all"
-    bare_run getent passwd neoeti >/dev/null || eti_fail "the user neoeti was not made"
+    bare_run getent passwd neoeti >/dev/null || eti_fail "the user neoeti was not created"
 
     eti_say "== The demo, as an ordinary user"
     bare_run useradd --create-home $USER_THERE
@@ -60,7 +59,7 @@ inside() {
     }
     local left
     left=$(find "$system/usr" "$system/etc" "$system/lib" \( -name '*neoeti*' -o -name 'eti-*' \) 2>/dev/null)
-    [ -z "$left" ] || eti_fail "after removing there is left: $left"
+    [ -z "$left" ] || eti_fail "left behind after removal: $left"
 }
 
 if [ "${1:-}" = --inside ]; then

@@ -56,7 +56,7 @@ def line(stamps, part):
         return f"*{text}before physics versions were recorded.*"
     text += f"physics version {known['physics']}."
     return f"*{text}*" if not is_stale(stamps, part) else (
-        f"***Stale:** measured with physics version {known['physics']}, today's is {stamps['physics']}.* *{text}*")
+        f"***Stale:** measured with physics version {known['physics']}, current is {stamps['physics']}.* *{text}*")
 
 
 def refresh(stamps):
@@ -79,17 +79,17 @@ def save(stamps):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--server", default=DOCS.parent / "build/release/bin/eti-server", help="the program that runs")
+    parser.add_argument("--server", default=DOCS.parent / "build/release/bin/eti-server", help="the server to run")
     actions = parser.add_mutually_exclusive_group(required=True)
-    actions.add_argument("--update", action="store_true", help="note today's physics version; pages say what is stale")
+    actions.add_argument("--update", action="store_true", help="record the current physics version; pages show what is stale")
     actions.add_argument("--record", nargs=2, metavar=("PART", "COMMAND"), help="stamp a part that was just measured")
     actions.add_argument("--stale", nargs="+", metavar="PART", help="print which of these parts are stale, in this order")
-    actions.add_argument("--check", action="store_true", help="exit 1 if the physics version is not the noted one")
+    actions.add_argument("--check", action="store_true", help="exit 1 if the physics version differs from the recorded one")
     options = parser.parse_args()
     stamps = load()
     noted, stamps["physics"] = stamps["physics"], physics_version(options.server)
     if options.check:
-        print(f"physics version {stamps['physics']}, noted is {noted}")
+        print(f"physics version {stamps['physics']}, recorded {noted}")
         return int(noted != stamps["physics"])
     if options.record:
         stamps["parts"][options.record[0]] = stamp(options.record[1], stamps["physics"])

@@ -35,7 +35,7 @@ def rate_of(row):
     if row["rate"] == 0:
         return "at once"
     if row["relative"]:
-        return f"by a factor of e in {number(1 / row['rate'])} s"
+        return f"by a factor of e per {number(1 / row['rate'])} s"
     per_second = float(f"{row['rate']:.2g}")
     return " ".join(filter(None, [number(per_second), row["unit"], "a second"]))
 
@@ -46,18 +46,18 @@ def table(head, rows):
 
 
 def scenario(tables):
-    return table(["key", "unit", "range", "default", "what it changes"],
+    return table(["key", "unit", "range", "default", "effect"],
                  [[f"`{r['key']}`", r["unit"], range_of({"on_off": False, **r}), default_of({"on_off": False, **r}),
                    r["help"]] for r in tables["scenario"]])
 
 
 def scenario_other(tables):
-    return table(["key", "values", "default", "what it changes"],
+    return table(["key", "values", "default", "effect"],
                  [[f"`{r['key']}`", r["values"], r["default"] or "none", r["help"]] for r in tables["scenario_other"]])
 
 
 def live(tables):
-    return table(["key of `--set`", "range", "how it gets there", "what it changes"],
+    return table(["key of `--set`", "range", "rate of change", "effect"],
                  [[f"`{r['key']}`", f"{number(r['low'])} to {number(r['high'])}", rate_of(r), r["help"]]
                   for r in tables["live"]])
 
@@ -79,7 +79,7 @@ MAKERS = {"thresholds": thresholds, "scenario": scenario, "scenario_other": scen
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--server", default=DOCS.parent / "build/release/bin/eti-server", help="the program that is asked")
+    parser.add_argument("--server", default=DOCS.parent / "build/release/bin/eti-server", help="the server to query")
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 where a table is not up to date")
     options = parser.parse_args()
     tables = json.loads(subprocess.run([options.server, "--describe"], check=True, capture_output=True).stdout)

@@ -21,7 +21,7 @@ def main():
     options = parser.parse_args()
     results = options.build / "test-results.xml"
     if not results.is_file():
-        print(f"{results}: no such file; expected what a run of tests leaves. Remedy: deploy/test.sh", file=sys.stderr)
+        print(f"{results}: no such file; expected the results of a test run. Remedy: deploy/test.sh", file=sys.stderr)
         return 1
     listed = json.loads(subprocess.run(["ctest", "--show-only=json-v1"], cwd=options.build, check=True,
                                        capture_output=True).stdout)["tests"]
@@ -36,7 +36,7 @@ def main():
     for group, time in seconds.most_common(options.groups):
         name, is_alone = group
         print(f"| `{name}` | {count[group]} | {time:.0f} | {'yes' if is_alone else ''} |")
-    for words, is_alone in (("all that run one at a time", True), ("all that run beside each other", False)):
+    for words, is_alone in (("all that run alone", True), ("all that run in parallel", False)):
         groups = [group for group in seconds if group[1] == is_alone]
         print(f"| {words} | {sum(count[g] for g in groups)} | {sum(seconds[g] for g in groups):.0f} "
               f"| {'yes' if is_alone else ''} |")

@@ -36,8 +36,8 @@ void Annotator::start(const render::PickHit& at) {
 void Annotator::begin(const std::optional<render::PickHit>& at) {
     sketch_.reset();
     if (!at || at->object.empty()) {
-        error_ = at ? fmt::format("the {} bears no marks: point at tissue or at the blade", at->name)
-                    : "nothing is there to be marked";
+        error_ = at ? fmt::format("the {} cannot be marked: point at tissue or at the blade", at->name)
+                    : "nothing to mark there";
         return;
     }
     start(*at);
@@ -104,7 +104,7 @@ void Annotator::send(const bus::Annotation& annotation) {
     msg::Annotation message = bus::encode_annotation(annotation);
     message.header(bus::make_header(0, ++number_));
     if (!send_(message)) {
-        error_ = "no server takes remarks or marks";
+        error_ = "no server accepts remarks or marks";
     }
 }
 

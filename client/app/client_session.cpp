@@ -61,9 +61,9 @@ void ClientSession::receive() {
     input.receive_into(scene);
     if (input.lost(options_.interactive() ? lost_after_s : silent_for_s) != lost) {
         lost = !lost;
-        spdlog::warn(!lost                    ? "a server is back"
-                     : options_.interactive() ? "the server is lost; waiting for one"
-                                              : "the server is lost; keeping the last picture");
+        spdlog::warn(!lost                    ? "connected to a server again"
+                     : options_.interactive() ? "connection to the server lost; waiting for a server"
+                                              : "connection to the server lost; keeping the last picture");
     }
     if (!scene.complete() || lost) {
         bus::refuse_other_protocol(node);

@@ -22,14 +22,14 @@ constexpr float mark_step = 4.0f;  // [pixels], between two points of a drawn li
 constexpr char32_t key_follow = U't', key_write = U'w', key_wipe = U'z';
 const std::vector<std::pair<std::string, std::string>> mark_keys{
     {"w", "write a remark; Enter sends it"},
-    {"shift", "with the mouse: point, or drag and draw; what is being written stands beside"},
-    {"z", "all marks wiped away"}};
+    {"shift", "click to point, drag to draw; a remark being written is the label"},
+    {"z", "clear all marks"}};
 
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool marks) {
     std::vector<std::pair<std::string, std::string>> out{
-        {"h ?", "this list"}, {"p F1", "the instructor's panel"}, {"Esc", "end"}};
+        {"h ?", "this help"}, {"p F1", "the instructor's panel"}, {"Esc", "end"}};
     for (const Selection& one : selections()) {
         out.emplace_back(std::string(1, one.key), fmt::format("{}: {}", one.name, one.help));
     }
@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool m
         }
     }
     if (marks || !commands) {
-        out.emplace_back("t", "the trainee's eye, or one's own");
+        out.emplace_back("t", "the trainee's eye, or a free viewpoint");
     }
     if (marks) {
         out.insert(out.end(), mark_keys.begin(), mark_keys.end());
@@ -59,7 +59,7 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
     } else if (key == key_follow && may_follow_trainee_ && !repeated) {
         follows_trainee_ = !follows_trainee_;
         if (follows_trainee_ && !scene.trainee_eye()) {
-            show_notice("no trainee's client says where the eye is", now);
+            show_notice("no trainee's client reports an eye position", now);
         }
     } else if (key == key_write && annotator_ != nullptr && !repeated) {
         annotator_->write();
@@ -69,9 +69,9 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
         moved->press(vantage_, scene.landmarks());
     } else if (const CommandKey* const command = command_key(key)) {
         if (commands_ == nullptr) {
-            show_notice("an observer gives no commands", now);
+            show_notice("observers cannot send commands", now);
         } else if (!scene.metrics()) {
-            show_notice("no server has said yet how its patient is", now);
+            show_notice("no server has reported its patient's state yet", now);
         } else {
             send(typing_.press(*command, repeated, scene.live(), now), now);
         }
@@ -164,7 +164,7 @@ void Controls::update(Time now) {
 
 void Controls::send(const std::optional<CommandRequest>& command, Time now) {
     if (command && !commands_->send(command->name, command->value)) {
-        show_notice("no server takes commands", now);
+        show_notice("no server accepts commands", now);
     }
 }
 

@@ -90,9 +90,8 @@ void add_text(CommandLine& app, const std::string& name, std::string& text, cons
 }  // namespace
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
-    CommandLine app(
-        "Shows a running session: to its trainee, to an --instructor, or to whoever wants to --observe it.",
-        "eti-client");
+    CommandLine app("Shows a running session to its trainee, an --instructor, or a spectator (--observe).",
+                    "eti-client");
     std::vector<std::string> names;
     std::string of_views;
     for (const Selection& one : selections()) {
@@ -124,114 +123,112 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     list("Keys in the window:", 6, keys_help(true, true));
     list("\nWith --hands:", 11, hand_controls_help());
     list("\nHand controllers, with --view hmd:", 11, hands_help());
-    app.footer(keys + "\nWith --observe no commands are given; w, z and marks are of an --instructor.");
+    app.footer(keys + "\nWith --observe no commands are sent; remarks (w, z) and marks need --instructor.");
     const auto view_option = app.add_option("--view", view, of_views).capture_default_str().one_of(names);
-    const auto observe =
-        app.add_flag("--observe", options.observe,
-                     "Watch only: publishes nothing and gives no commands; without it the trainee's "
-                     "line of sight is published");
+    const auto observe = app.add_flag("--observe", options.observe,
+                                      "Watch only: publish nothing and send no commands; without it the "
+                                      "trainee's line of sight is published");
     app.add_flag("--instructor", options.instructor,
-                 "Watch and give commands, with the panel: from four sides unless --view says otherwise; the "
-                 "line of sight stays the trainee's")
+                 "Watch and send commands, with the panel; four views unless --view is given; the line of "
+                 "sight remains the trainee's")
         .excludes(observe);
     app.add_flag("--panel", options.panel, "Show the instructor's panel from the start (key p or F1)");
     add_text(app, "--eye-offset-mm", eye_offset,
-             "The trainee's eye stands so far from where the glottis is best seen: to the patient's left, to "
-             "its back and towards its head",
+             "Offset of the trainee's eye from the position with the best view of the glottis: towards the "
+             "patient's left, back and head",
              read_eye, "X,Y,Z",
              fmt::format("place of an eye; expected X,Y,Z in mm, each from -{0:.0f} to {0:.0f}, e.g. 10,0,-5",
                          1e3f * view::TraineeEye::max_offset));
-    add_text(app, "--patient-at-mm", gum_at,
-             "In a headset: the upper gum lies so far to the right, up and ahead of where the eyes were when "
-             "the headset was centred",
-             read_place, "RIGHT,UP,AHEAD",
-             fmt::format("place; expected RIGHT,UP,AHEAD in mm, each from -{0:.0f} to {0:.0f}, e.g. "
-                         "0,-300,250",
-                         1e3f * hmd::Room::max_offset));
+    add_text(
+        app, "--patient-at-mm", gum_at,
+        "In a headset: position of the upper gum to the right of, above and ahead of the eyes at recentring",
+        read_place, "RIGHT,UP,AHEAD",
+        fmt::format("place; expected RIGHT,UP,AHEAD in mm, each from -{0:.0f} to {0:.0f}, e.g. "
+                    "0,-300,250",
+                    1e3f * hmd::Room::max_offset));
     app.add_option("--dominant-eye", dominant_eye,
-                   "In a headset: the eye that the line of sight begins at, by which the view is measured")
+                   "In a headset: the eye from which the line of sight starts and the view is measured")
         .capture_default_str()
         .one_of({"right", "left"});
     add_text(app, "--section-plane", section,
-             "Where the section cuts: so far from the middle, towards the patient's left [mm]; turned about "
-             "the patient's back-to-front axis and tilted about its long axis [deg]",
+             "Section plane: offset from the midline towards the patient's left [mm]; rotation about the "
+             "patient's back-to-front axis and tilt about its long axis [deg]",
              read_section, "OFFSET,TURN,TILT",
              fmt::format("plane; expected OFFSET,TURN,TILT: mm from -{0:.0f} to {0:.0f}, degrees from -180 "
                          "to 180 and from -90 to 90, e.g. 5,0,0 or 0,90,0",
                          1e3f * render::Section::max_offset));
     app.add_number("--fogging", options.vantage.fogging,
-                   "Breath on the blade's lens as the session begins; it clears as the lamp warms it",
-                   {0.0f, 1.0f})
+                   "Start with a fogged lens; the blade's lamp warms and clears it", {0.0f, 1.0f})
         .capture_default_str();
     const auto offscreen = app.add_option("--offscreen", options.offscreen,
-                                          "Draw without a display; pictures go into this folder");
+                                          "Render without a display; write pictures to this folder");
     const auto video =
         app.add_option("--video", options.video,
                        "Video file (.mp4), paced on simulation time [default, for an offscreen "
                        "trainee: session.mp4 in the folder]")
             .needs(offscreen);
-    app.add_flag("--no-video", no_video, "Make no video").excludes(video);
-    app.add_number("--fps", options.frames_per_second, "Of the video",
-                   {1.0, 90.0, "frames a second of simulation time"})
+    app.add_flag("--no-video", no_video, "Do not write a video").excludes(video);
+    app.add_number("--fps", options.frames_per_second, "Frame rate of the video",
+                   {1.0, 90.0, "frames per second of simulation time"})
         .capture_default_str();
     app.add_number("--every", options.picture_interval_s,
-                   "Simulation time between pictures; 0: only the best view and the last", {0.0, 3600.0, "s"})
+                   "Simulation time between pictures; 0: only the best view and the final picture",
+                   {0.0, 3600.0, "s"})
         .capture_default_str();
-    app.add_number("--frames", options.frames, "End after this many frames of a patient; 0: with the session",
-                   {0})
+    app.add_number("--frames", options.frames,
+                   "Stop after this many frames that show a patient; 0: at the end of the session", {0})
         .capture_default_str();
     app.add_number("--wait", options.wait_s,
-                   fmt::format("Give up when no server is there for so long; without it pictures wait for "
-                               "{:.0f} s and a window until it is closed",
+                   fmt::format("Give up if no server is found for this time; by default offscreen rendering "
+                               "waits for {:.0f} s, a window until it is closed",
                                Options::offscreen_wait_s),
                    {0.0, 3600.0, "s"});
-    app.add_option("--size", size, "Pixels, WIDTHxHEIGHT, both even")
+    app.add_option("--size", size, "Size in pixels, WIDTHxHEIGHT, both even")
         .capture_default_str()
         .check(
             [](const std::string& text) {
                 int width = 0, height = 0;
                 return read_size(text, width, height) ? std::string()
                                                       : "'" + text +
-                                                            "' is no size; expected WIDTHxHEIGHT, even "
+                                                            "' is not a size; expected WIDTHxHEIGHT, even "
                                                             "numbers from 64 to 7680, e.g. 1280x720";
             },
             "WxH");
     app.add_option("--quality", quality, of_qualities).capture_default_str().one_of(quality_names);
     const auto hands = app.add_flag("--hands", options.hands,
-                                    "Hold blade and tube with mouse and keys, unless a device does");
+                                    "Control blade and tube with mouse and keys, unless a device holds them");
     app.add_option("--tutorial", tutorial,
-                   "With --hands, lead through a first intubation; auto: until it has been shown once")
+                   "With --hands, guide through a first intubation; auto: only the first time")
         .capture_default_str()
         .one_of({"auto", "on", "off"});
-    app.add_option("--play", options.play,
-                   "Move them by a list of what mouse and keys do, instead of by a person's")
+    app.add_option("--play", options.play, "Play mouse and key input from this file instead of a person's")
         .needs(hands)
         .existing_file();
     app.add_option("--sound", sound,
-                   "The monitor's beep, a click where the gum is pressed too hard, suction; auto: where the "
-                   "machine has a device to play on")
+                   "Sounds: pulse oximeter, a click when the gum is pressed too hard, suction; auto: if the "
+                   "machine has an audio device")
         .capture_default_str()
         .one_of({"auto", "on", "off"});
-    app.add_number("--volume", options.volume, "Of the sound", {0.0f, 1.0f}).capture_default_str();
+    app.add_number("--volume", options.volume, "Sound volume", {0.0f, 1.0f}).capture_default_str();
     bus::add_options(app, options.bus);
-    app.add_flag("--json", options.json, "Print what was made as one JSON object");
+    app.add_flag("--json", options.json, "Print the results as one JSON object");
     if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
     options.headset = view == headset_name;
     if (options.instructor && options.headset) {
-        std::cerr << "--instructor: is no trainee, whose eyes --view hmd follows; leave one out\n";
+        std::cerr << "--instructor excludes --view hmd, which follows the trainee's eyes; omit one of them\n";
         return 2;
     }
     if (options.headset && !options.offscreen.empty()) {
-        std::cerr
-            << "--view hmd: a headset shows it, --offscreen would draw pictures instead; leave one out\n";
+        std::cerr << "--view hmd excludes --offscreen, which renders without a headset; omit one of them\n";
         return 2;
     }
     if (options.hands && (options.headset || !options.is_trainee())) {
-        std::cerr << fmt::format("--hands: {}; leave one out\n",
-                                 options.headset ? "in a headset the hands hold devices"
-                                                 : "who watches (--observe, --instructor) holds no tool");
+        std::cerr << fmt::format("--hands: {}; omit one of them\n",
+                                 options.headset
+                                     ? "with --view hmd the tools are held with devices"
+                                     : "observers and instructors (--observe, --instructor) hold no tool");
         return 2;
     }
     // Playback needs no tutorial; learners use a window.

@@ -46,9 +46,8 @@ std::unique_ptr<sound::Player> session_sound(std::optional<bool> wanted, float v
     auto player = sound::Player::open(volume);
     if (!player && wanted == true) {
         spdlog::warn(
-            "--sound on: no device to play on was found, the session stays silent. Connect one and look that "
-            "its "
-            "sound server runs, or leave the option out");
+            "--sound on: no audio device found; the session is silent. Connect one and check that its sound "
+            "server runs, or omit the option");
     }
     return player;
 }

@@ -50,27 +50,25 @@ constexpr std::size_t blade_lesson = 1;
 constexpr std::array lesson_table{
     Lesson{
         "1 of 5: look",
-        "Press 2: the head cut open shows where the tools are. 5 is your own eye, 3 the camera on the blade.",
+        "Press 2: the section view shows where the tools are. 5 is your own eye, 3 the camera on the blade.",
         shows_inside},
     Lesson{"2 of 5: blade in",
-           "Drag with the left button: the blade's tip follows, by the right corner of the mouth over the "
-           "tongue. "
-           "Drag its handle back to the gum with the right button, and go down behind the tongue.",
+           "Drag with the left button to move the blade's tip in at the right corner of the mouth and over "
+           "the tongue. Drag with the right button to swing the handle back to the gum, and go down behind "
+           "the tongue.",
            blade_is_in},
     Lesson{"3 of 5: sweep and lift",
            "Press 5 and drag the blade to the middle: it sweeps the tongue aside. Press 2, bring the tip "
-           "beneath the "
-           "epiglottis and lift along the handle with w, until the glottis is seen. Do not lever on the gum.",
+           "beneath the epiglottis and lift along the handle with w until the glottis is visible. Do not "
+           "lever on the gum.",
            glottis_is_seen},
     Lesson{"4 of 5: tube through the cords",
-           "Tab takes the tube. Bring its tip to the mouth, slide it in with the wheel, aim by dragging, and "
-           "pass "
-           "the cords under sight until the black band lies between them.",
+           "Tab takes the tube. Bring its tip to the mouth, advance it with the wheel, aim by dragging, and "
+           "pass it through the cords under direct vision until the black band lies between them.",
            tube_is_in},
-    Lesson{
-        "5 of 5: the result",
-        "Tab takes the blade. Lower it with q, draw it out with the wheel, and leave the tube where it is.",
-        attempt_succeeded}};
+    Lesson{"5 of 5: the result",
+           "Tab takes the blade. Lower it with q, withdraw it with the wheel, and leave the tube in place.",
+           attempt_succeeded}};
 
 }  // namespace
 
@@ -105,10 +103,10 @@ void Tutorial::add_to(hud::Readout& readout) const {
     }
     readout.guidance.emplace_back(lesson_table[lesson_].title);
     if (!failed_.empty()) {
-        readout.guidance.push_back(fmt::format("That attempt: {}. Once more.", failed_));
+        readout.guidance.push_back(fmt::format("That attempt: {}. Try again.", failed_));
     }
     readout.guidance.emplace_back(lesson_table[lesson_].text);
-    readout.guidance.emplace_back("Enter passes over a step; h lists all keys.");
+    readout.guidance.emplace_back("Enter skips a step; h lists all keys.");
 }
 
 std::filesystem::path tutorial_marker_file() {
@@ -131,7 +129,7 @@ void mark_tutorial_shown() {
     std::error_code error;
     std::filesystem::create_directories(tutorial_marker_file().parent_path(), error);
     std::ofstream(tutorial_marker_file())
-        << "The client's tutorial has been shown. Without this file it is shown again.\n";
+        << "The client's tutorial has been shown. Delete this file to show it again.\n";
 }
 
 }  // namespace eti::client

@@ -53,7 +53,7 @@ PlaybackStep read_step(YamlMap map) {
         const auto known = [&](const HandKey& row) { return row.caption == key; };
         const auto row = std::ranges::find_if(hand_keys(), known);
         if (row == hand_keys().end()) {
-            map.refuse("key", "'" + key + "'", "a key that moves the hand, one of w q g f a d t y");
+            map.refuse("key", "'" + key + "'", "one of the keys that move the hand: w q g f a d t y");
         }
         step.hold = row->key;
     }

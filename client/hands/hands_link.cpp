@@ -46,7 +46,7 @@ bool ToolWriter::has_ownership() {
     if (!ownership_lost_ && others_.matched() > 1) {
         ownership_lost_ = true;
         topic_.reset();
-        spdlog::info("a device holds the {}: mouse and keys leave it alone", name_);
+        spdlog::info("a device holds the {}: mouse and keys do not move it", name_);
     }
     return !ownership_lost_;
 }
@@ -80,7 +80,7 @@ HandsLink::~HandsLink() {
 void HandsLink::run() {
     // Runs for microseconds: behind the renderer it would wait until the hand is considered silent.
     if (const std::string refused = set_real_time_priority(priority::loop); !refused.empty()) {
-        spdlog::debug("the hands' thread: {}", refused);
+        spdlog::debug("hand input thread: {}", refused);
     }
     auto next = std::chrono::steady_clock::now();
     while (!ending_) {
@@ -140,7 +140,7 @@ void HandsLink::cycle() {
     }
     if (++cycles_seen_ == cycles_before_writing && blade_writer_.has_ownership() &&
         tube_writer_.has_ownership()) {
-        spdlog::info("mouse and keys hold laryngoscope and tube");
+        spdlog::info("mouse and keys control laryngoscope and tube");
     }
     if (cycles_seen_ > cycles_before_writing) {
         if (play_) {

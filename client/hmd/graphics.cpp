@@ -49,9 +49,8 @@ XrGraphicsBindingOpenGLXlibKHR named_by_glx() {
     out.glxDrawable = glXGetCurrentDrawable();
     if (out.xDisplay == nullptr || out.glxContext == nullptr) {
         throw std::runtime_error(
-            "--view hmd: no OpenGL context of GLX or EGL can be given to the headset's runtime. Start it "
-            "under X11 "
-            "(or Xwayland), or without a display.");
+            "--view hmd: no GLX or EGL context is available for the headset's runtime. Start the client "
+            "under X11 (or Xwayland), or without a display.");
     }
     int id = 0, count = 0;
     glXQueryContext(out.xDisplay, out.glxContext, GLX_FBCONFIG_ID, &id);

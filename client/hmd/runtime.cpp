@@ -16,10 +16,9 @@ namespace {
 
 [[noreturn]] void no_runtime(const char* call, XrResult result) {
     throw RuntimeUnavailable(fmt::format(
-        "--view hmd: no OpenXR runtime answers ({}: {}). Expected one named by XR_RUNTIME_JSON or by "
+        "--view hmd: no OpenXR runtime responds ({}: {}). Expected one named by XR_RUNTIME_JSON or by "
         "openxr/1/active_runtime.json in ~/.config, /etc/xdg or /etc. Install the headset's software, e.g. "
-        "Monado "
-        "or SteamVR, and start it once; eti-doctor says where it is looked for.",
+        "Monado or SteamVR, and start it once; eti-doctor lists the searched locations.",
         call, name_of(result)));
 }
 
@@ -47,10 +46,10 @@ Runtime::Runtime() {
             all, [&](const auto& one) { return std::strcmp(one.extensionName, wanted) == 0; });
     };
     if (!has(XR_KHR_OPENGL_ENABLE_EXTENSION_NAME)) {
-        throw RuntimeUnavailable(fmt::format(
-            "--view hmd: the OpenXR runtime offers no {}, which drawing into a headset needs. Choose one "
-            "that does, e.g. Monado or SteamVR, with XR_RUNTIME_JSON.",
-            XR_KHR_OPENGL_ENABLE_EXTENSION_NAME));
+        throw RuntimeUnavailable(
+            fmt::format("--view hmd: the OpenXR runtime does not support {}, which rendering to a headset "
+                        "requires. Choose one that does, e.g. Monado or SteamVR, with XR_RUNTIME_JSON.",
+                        XR_KHR_OPENGL_ENABLE_EXTENSION_NAME));
     }
     std::vector<const char*> extensions{XR_KHR_OPENGL_ENABLE_EXTENSION_NAME};
     egl_ = has(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
@@ -80,7 +79,7 @@ std::optional<Headset> Runtime::headset() const {
     }
     if (result == XR_ERROR_FORM_FACTOR_UNSUPPORTED) {
         throw RuntimeUnavailable(
-            fmt::format("--view hmd: the OpenXR runtime '{}' drives no headset. Choose one that does "
+            fmt::format("--view hmd: the OpenXR runtime '{}' does not support headsets. Choose one that does "
                         "with XR_RUNTIME_JSON.",
                         name_));
     }

@@ -45,8 +45,8 @@ void ask_for_versions(const Runtime& runtime, XrSystemId system) {
     glGetIntegerv(GL_MINOR_VERSION, &minor);
     if (XR_MAKE_VERSION(major, minor, 0) < versions.minApiVersionSupported) {
         throw std::runtime_error(
-            fmt::format("OpenXR: the driver gives OpenGL {}.{}, the headset's runtime needs {}.{}. Install a "
-                        "newer driver.",
+            fmt::format("OpenXR: the driver supports OpenGL {}.{}, the headset's runtime requires {}.{}. "
+                        "Install a newer driver.",
                         major, minor, XR_VERSION_MAJOR(versions.minApiVersionSupported),
                         XR_VERSION_MINOR(versions.minApiVersionSupported)));
     }
@@ -106,14 +106,14 @@ void Session::poll() {
                 case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
                     // The runtime moves the world's origin; the patient keeps its place in it, in front of
                     // the trainee.
-                    spdlog::info("the headset was centred anew");
+                    spdlog::info("the headset was recentred");
                     ++recentred_;
                     break;
                 case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
                     life_.end_with(SessionEnd::runtime_lost);
                     break;
                 case XR_TYPE_EVENT_DATA_EVENTS_LOST:
-                    spdlog::warn("the headset's runtime lost events: the program asked too late for them");
+                    spdlog::warn("the headset's runtime lost events: they were not polled in time");
                     break;
                 default:
                     break;

@@ -18,7 +18,7 @@ void require_format(XrSession session) {
     std::vector<std::int64_t> offered(count);
     check(xrEnumerateSwapchainFormats(session, count, &count, offered.data()), "xrEnumerateSwapchainFormats");
     if (std::ranges::find(offered, format) == offered.end()) {
-        throw OpenXrError("a picture of GL_SRGB8_ALPHA8", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED);
+        throw OpenXrError("the GL_SRGB8_ALPHA8 image format", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED);
     }
 }
 

@@ -19,10 +19,9 @@ std::string name_of(XrResult result) {
 }
 
 OpenXrError::OpenXrError(const char* call, XrResult what)
-    : std::runtime_error(
-          fmt::format("OpenXR: {} was refused by the headset's runtime ({}). Restart the runtime; eti-doctor "
-                      "says which one is used.",
-                      call, name_of(what))),
+    : std::runtime_error(fmt::format("OpenXR: the headset's runtime rejected {} ({}). Restart the runtime; "
+                                     "eti-doctor tells which one is used.",
+                                     call, name_of(what))),
       result(what) {}
 
 XrResult check(XrResult result, const char* call) {

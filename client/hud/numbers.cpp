@@ -40,7 +40,7 @@ std::string clock_text(double seconds) {
 
 std::string tube_text(const Readout& readout) {
     if (!readout.airway_measured) {
-        return "tube within unknown";
+        return "tube depth unknown";
     }
     const float past_cords_cm = readout.measures.tube_depth_past_glottis / centimetre;
     return past_cords_cm > 0.0f ? fmt::format("tube {:4.1f} cm past cords", past_cords_cm)
@@ -56,9 +56,9 @@ std::string measure_text(const Readout& readout, float LiveMeasures::*measure, s
 }
 
 std::string server_text(const Readout& readout) {
-    return late(readout)
-               ? fmt::format("server {:.0f} %, {:.0f} s late", 100.0f * readout.server_load, readout.behind_s)
-               : fmt::format("server {:3.0f} %", 100.0f * readout.server_load);
+    return late(readout) ? fmt::format("server {:.0f} %, {:.0f} s behind", 100.0f * readout.server_load,
+                                       readout.behind_s)
+                         : fmt::format("server {:3.0f} %", 100.0f * readout.server_load);
 }
 
 std::string attempt_text(const Readout& readout) {

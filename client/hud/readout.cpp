@@ -82,7 +82,7 @@ std::string warning_of(const msg::SessionStatus& status) {
                        : blade       ? "laryngoscope"
                                      : "tube",
                        blade && tube ? "are" : "is",
-                       status.phase() == msg::PHASE_FROZEN ? ": time stands still" : "");
+                       status.phase() == msg::PHASE_FROZEN ? ": simulation paused" : "");
 }
 
 // Warnings that a supervisor would call out.
@@ -141,7 +141,7 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
         readout.link = status->phase() == msg::PHASE_FINISHED ? ServerLink::finished : ServerLink::running;
         readout.server_load = status->load();
         readout.behind_s = status->behind_s();
-        readout.warning = contested ? "two servers serve this session: end one" : warning_of(*status);
+        readout.warning = contested ? "two servers run this session: stop one" : warning_of(*status);
     }
     if (const auto& description = scene.description()) {
         readout.scenario = description->scenario().to_string();

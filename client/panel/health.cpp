@@ -25,7 +25,7 @@ Level level_of(Number value, Number warning, Number bad) {
 HealthLine device(std::string label, msg::DevicePresence presence) {
     switch (presence) {
         case msg::DEVICE_HEARD:
-            return {std::move(label), "heard", Level::good};
+            return {std::move(label), "sending", Level::good};
         case msg::DEVICE_SILENT:
             return {std::move(label), "silent", Level::bad};
         case msg::DEVICE_NONE:
@@ -41,7 +41,7 @@ std::vector<HealthLine> health_of(const view::SceneView& scene, const Connection
     std::vector<HealthLine> out;
     if (const auto& status = scene.status()) {
         out.push_back({"server", status->server().to_string(), Level::neutral});
-        out.push_back({"its status came", fmt::format("{:.1f} s ago", silent_s),
+        out.push_back({"last status", fmt::format("{:.1f} s ago", silent_s),
                        level_of(silent_s, silence_warning_s, silence_bad_s)});
         out.push_back({"load", fmt::format("{:.0f} % of a step", 100.0f * status->load()),
                        level_of(status->load(), load_warning, load_bad)});
@@ -50,16 +50,16 @@ std::vector<HealthLine> health_of(const view::SceneView& scene, const Connection
         out.push_back(device("laryngoscope's device", status->laryngoscope()));
         out.push_back(device("tube's device", status->tube()));
     } else {
-        out.push_back({"server", "none heard yet", Level::bad});
+        out.push_back({"server", "no data yet", Level::bad});
     }
     if (connection.contested) {
-        out.push_back({"session", "two servers: end one", Level::bad});
+        out.push_back({"session", "two servers: stop one", Level::bad});
     }
     if (connection.states > 0) {
         out.push_back({"shapes' age, mean", fmt::format("{:.1f} ms", connection.state_age_mean_ms),
                        level_of(connection.state_age_mean_ms, age_warning_ms, age_bad_ms)});
         out.push_back(
-            {"shapes' age, most", fmt::format("{:.1f} ms", connection.state_age_max_ms), Level::neutral});
+            {"shapes' age, max", fmt::format("{:.1f} ms", connection.state_age_max_ms), Level::neutral});
         const double share = static_cast<double>(connection.states_missed) /
                              static_cast<double>(connection.states + connection.states_missed);
         out.push_back({"shapes lost", fmt::format("{} ({:.2f} %)", connection.states_missed, 100.0 * share),

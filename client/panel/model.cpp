@@ -48,7 +48,7 @@ std::string_view word_for(msg::SessionPhase phase) {
         case msg::PHASE_RUNNING:
             return "running";
         case msg::PHASE_FROZEN:
-            return "time stands still";
+            return "paused";
         case msg::PHASE_FINISHED:
             return "finished";
     }
@@ -279,7 +279,7 @@ void Model::update(Time now) {
     }
     if (!served) {
         // No server: requests are dropped, not sent to a later one.
-        refusal_ = "no server takes commands";
+        refusal_ = "no server accepts commands";
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             if (std::exchange(pending_[i].unsent, false)) {
                 rows_[i].wanted.reset();

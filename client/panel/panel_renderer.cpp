@@ -230,8 +230,8 @@ void PanelRenderer::draw_head(const Model& model, Model::Time now) {
         at_right(watching, hud::grey);
     }
     if (model.stale(now)) {
-        text(model.silent_s(now) > 0.0 ? fmt::format("no news for {:.0f} s", model.silent_s(now))
-                                       : std::string("no server has been heard"),
+        text(model.silent_s(now) > 0.0 ? fmt::format("no data for {:.0f} s", model.silent_s(now))
+                                       : std::string("no server found"),
              hud::red);
     } else {
         text(fmt::format("{}, {:.1f} s", session.phase, session.time_s), hud::grey);
@@ -384,8 +384,8 @@ void PanelRenderer::draw_group(Model& model, Group group, std::string_view headi
     text(heading, hud::grey);
     if (model.commands()) {
         ImGui::SameLine();
-        const std::string label = "all to the start##" + std::string(heading);
-        ImGui::SetCursorPosX(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize("all to the start").x -
+        const std::string label = "reset all##" + std::string(heading);
+        ImGui::SetCursorPosX(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize("reset all").x -
                              2.0f * ImGui::GetStyle().FramePadding.x);
         if (ImGui::SmallButton(label.c_str())) {
             model.request_initial_values(group);
@@ -438,7 +438,7 @@ void PanelRenderer::draw_slider(Model& model, std::size_t i) {
         model.request(i, row.start);
     }
     record_place("start of " + row.name);
-    explain("back to how the session began");
+    explain("reset to the value at the start of the session");
     ImGui::EndDisabled();
     if (!row.refusal.empty()) {
         wrapped(row.refusal, hud::red);
@@ -478,29 +478,27 @@ void PanelRenderer::draw_session(Model& model) {
         if (button("Start")) {
             model.request("start");
         }
-        explain("Asks whether the session runs: it does from the server's start");
+        explain("Checks that the session runs; it does from the server's start");
         ImGui::SameLine();
         if (button("Reset")) {
             model.request("reset");
         }
-        explain("Tissue and tube back to rest; time and attempts go on");
+        explain("Resets tissue and tube; time and attempts continue");
         ImGui::SameLine();
         if (button("Next scenario")) {
             model.request("next");
         }
-        explain(
-            "Ends this session and begins the one that follows, where the server was given several "
-            "scenarios");
+        explain("Ends this session and starts the next, if the server was given several scenarios");
         ImGui::SameLine();
         confirming_stop_ = button("Stop ...") ? !confirming_stop_ : confirming_stop_;
         if (confirming_stop_) {
-            wrapped("The server ends the session and writes its record.", hud::amber);
+            wrapped("Ends the session; the server completes the recording.", hud::amber);
             if (button("Stop the session")) {
                 confirming_stop_ = false;
                 model.request("stop");
             }
             ImGui::SameLine();
-            confirming_stop_ = !button("Go on") && confirming_stop_;
+            confirming_stop_ = !button("Cancel") && confirming_stop_;
         }
     }
     if (!model.refusal().empty()) {

@@ -21,13 +21,13 @@ void write_png(const Image& image, const std::filesystem::path& file) {
     std::vector<std::uint8_t> encoded;
     // Level 1: a fifth larger than the default, several times faster.
     if (!cv::imencode(".png", bgr, encoded, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-        throw std::runtime_error(fmt::format("{}: the picture could not be encoded as PNG", file.string()));
+        throw std::runtime_error(fmt::format("{}: cannot encode the picture as PNG", file.string()));
     }
     if (const std::string why = write_file_atomically(file, bytes_of(std::span<const std::uint8_t>(encoded)));
         !why.empty()) {
         throw std::runtime_error(
-            fmt::format("{}: the picture could not be written: {}. Check that the folder exists, "
-                        "is writable and that the disk is not full.",
+            fmt::format("{}: cannot write the picture: {}. Check that the folder exists, is writable and "
+                        "that the disk is not full.",
                         file.string(), why));
     }
 }
@@ -35,7 +35,7 @@ void write_png(const Image& image, const std::filesystem::path& file) {
 Image read_png(const std::filesystem::path& file) {
     const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
     if (bgr.empty()) {
-        throw std::runtime_error(fmt::format("{}: no picture could be read here", file.string()));
+        throw std::runtime_error(fmt::format("{}: cannot read a picture from this file", file.string()));
     }
     Image image{.width = bgr.cols, .height = bgr.rows, .rgba = {}};
     image.rgba.resize(4 * bgr.total());

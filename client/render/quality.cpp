@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::array quality_table{
     Quality{.name = "low",
-            .help = "one sample a pixel, shadows of 512 texels, hard but before the lens, no fine relief, "
-                    "outlines as coarse as the surfaces, a tube that does not bend light",
+            .help = "one sample per pixel, 512-texel shadows, soft only in front of the lens, no fine "
+                    "relief, outlines as coarse as the surfaces, no refraction in the tube",
             .samples = 1,
             .shadow_size = 512,
             .coarse_shadows = true,
@@ -25,7 +25,7 @@ constexpr std::array quality_table{
             .fine_outlines = false,
             .fine = false},
     Quality{.name = "medium",
-            .help = "two samples a pixel, shadows of 1024 texels, fine relief",
+            .help = "two samples per pixel, 1024-texel shadows, fine relief",
             .samples = 2,
             .shadow_size = 1024,
             .coarse_shadows = false,
@@ -36,7 +36,7 @@ constexpr std::array quality_table{
             .fine_outlines = true,
             .fine = true},
     Quality{.name = "high",
-            .help = "four samples a pixel, soft shadows of 2048 texels, fine relief",
+            .help = "four samples per pixel, soft 2048-texel shadows, fine relief",
             .samples = 4,
             .shadow_size = 2048,
             .coarse_shadows = false,

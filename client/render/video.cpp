@@ -26,9 +26,8 @@ Video::Video(const std::filesystem::path& file, double frames_per_second, int wi
                            frames_per_second, writer_->size);
     if (!opened) {
         throw std::runtime_error(
-            fmt::format("{}: no video can be written there. Give a name that ends in .mp4, in a folder that "
-                        "exists and is "
-                        "writable; the size ({} x {}) must be even.",
+            fmt::format("{}: cannot write a video to this file. Give a name that ends in .mp4, in a folder "
+                        "that exists and is writable; the size ({} x {}) must be even.",
                         file.string(), width, height));
     }
 }

@@ -29,8 +29,8 @@ std::map<std::string, const StudySession*> by_participant(const StudyGroup& grou
         const auto [at, added] = sessions.emplace(session.participant, &session);
         if (!added) {
             throw ComparisonError(fmt::format(
-                "group {}: {} and {} are both of participant {}; --paired expects one session each: leave "
-                "one out",
+                "group {}: {} and {} are both of participant {}; --paired expects one session per "
+                "participant: omit one of them",
                 group.name, at->second->file.string(), session.file.string(), session.participant));
         }
     }
@@ -53,11 +53,10 @@ Pairs pair_up(Comparison& comparison) {
         const std::size_t count = comparison.groups.front().sessions.size();
         for (const StudyGroup& group : comparison.groups) {
             if (group.sessions.size() != count) {
-                throw ComparisonError(
-                    fmt::format("--paired: {} sessions in group {}, {} in {}; as no file names its "
-                                "participant, expected are "
-                                "equally many in the same order: give such, or record with --participant",
-                                count, comparison.groups.front().name, group.sessions.size(), group.name));
+                throw ComparisonError(fmt::format(
+                    "--paired: {} sessions in group {}, {} in {}; as no file names its participant, expected "
+                    "equally many in the same order: give such files, or record with --participant",
+                    count, comparison.groups.front().name, group.sessions.size(), group.name));
             }
         }
         for (std::size_t i = 0; i < count; ++i) {
@@ -66,14 +65,14 @@ Pairs pair_up(Comparison& comparison) {
                 pair.push_back(&group.sessions[i]);
             }
         }
-        comparison.remarks.emplace_back("paired in the order of the files, as none names its participant");
+        comparison.remarks.emplace_back("paired in the order of the files, as no file names its participant");
         return pairs;
     }
     if (named != all) {
-        throw ComparisonError(fmt::format(
-            "--paired: {} of {} files name no participant; expected is one in each file or in none: "
-            "leave these files out, or leave --paired away",
-            all - named, all));
+        throw ComparisonError(
+            fmt::format("--paired: {} of {} files name no participant; expected one in each file or in none: "
+                        "omit these files, or omit --paired",
+                        all - named, all));
     }
     std::vector<std::map<std::string, const StudySession*>> sessions;
     std::set<std::string> participants;
@@ -89,7 +88,7 @@ Pairs pair_up(Comparison& comparison) {
             const auto found = sessions[i].find(participant);
             if (found == sessions[i].end()) {
                 comparison.remarks.push_back(
-                    fmt::format("participant {} is left out of differences: no session in group {}",
+                    fmt::format("participant {} is excluded from differences: no session in group {}",
                                 participant, comparison.groups[i].name));
                 break;
             }
@@ -171,8 +170,7 @@ Comparison read_groups(const GroupFiles& files,
     std::map<std::filesystem::path, std::string> seen;
     for (const auto& [name, paths] : files) {
         if (std::ranges::find(comparison.groups, name, &StudyGroup::name) != comparison.groups.end()) {
-            throw ComparisonError(
-                fmt::format("--group {}: given twice; give each group a name of its own", name));
+            throw ComparisonError(fmt::format("--group {}: given twice; give each group its own name", name));
         }
         StudyGroup& group = comparison.groups.emplace_back(name, std::vector<StudySession>{});
         for (const std::filesystem::path& path : paths) {
@@ -180,13 +178,12 @@ Comparison read_groups(const GroupFiles& files,
             Summary summary = summarise(path);
             const auto [at, added] = seen.emplace(std::filesystem::canonical(path), name);
             if (!added) {
-                throw ComparisonError(
-                    fmt::format("{}: in group {} and again in group {}; a session counts once: leave "
-                                "one of them away",
-                                path.string(), at->second, name));
+                throw ComparisonError(fmt::format(
+                    "{}: in group {} and again in group {}; a session counts once: omit one of them",
+                    path.string(), at->second, name));
             }
             if (!summary.has_run) {
-                comparison.remarks.push_back(fmt::format("{} is left out of group {}: {}", path.string(),
+                comparison.remarks.push_back(fmt::format("{} is excluded from group {}: {}", path.string(),
                                                          name, summary.run.outcome.reason));
                 continue;
             }
@@ -197,14 +194,14 @@ Comparison read_groups(const GroupFiles& files,
         }
         if (group.sessions.empty()) {
             throw ComparisonError(
-                fmt::format("--group {}: no session with a known outcome among {} files; expected is at "
-                            "least one: give files that were recorded to their end",
+                fmt::format("--group {}: no session with a known outcome among {} files; expected at least "
+                            "one: give files with complete recordings",
                             name, paths.size()));
         }
     }
     if (comparison.groups.size() < 2) {
         throw ComparisonError(
-            "compare: one group; expected are at least two: --group NAME FILE... --group NAME FILE...");
+            "compare: one group; expected at least two: --group NAME FILE... --group NAME FILE...");
     }
     return comparison;
 }
@@ -212,10 +209,10 @@ Comparison read_groups(const GroupFiles& files,
 void compare(Comparison& comparison) {
     const Pairs pairs = comparison.paired ? pair_up(comparison) : Pairs{};
     if (comparison.paired && pairs.size() < 2) {
-        throw ComparisonError(fmt::format(
-            "--paired: {} participants have a session in every group; expected are at least two: give more "
-            "files, or leave --paired away",
-            pairs.size()));
+        throw ComparisonError(
+            fmt::format("--paired: {} participants have a session in every group; expected at least two: "
+                        "give more files, or omit --paired",
+                        pairs.size()));
     }
     for (const Measure& measure : measures()) {
         MeasureRow row{&measure, {}, {}};

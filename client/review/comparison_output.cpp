@@ -44,19 +44,19 @@ std::string interval_text(const Interval& interval) {
 }
 
 std::string pair_name(const Comparison& comparison, const Contrast& contrast) {
-    return fmt::format("{} less {}", comparison.groups[contrast.second].name,
+    return fmt::format("{} minus {}", comparison.groups[contrast.second].name,
                        comparison.groups[contrast.first].name);
 }
 
 std::string how_text(const Comparison& comparison) {
-    return fmt::format("{} Intervals are {:.0f} % ({} resamples, seed {}).",
-                       comparison.paired ? "Differences are within participants."
-                                         : "Groups are taken as independent of each other.",
-                       100.0 * comparison.how.level, comparison.how.resamples, comparison.how.seed);
+    return fmt::format(
+        "{} Intervals are {:.0f} % ({} resamples, seed {}).",
+        comparison.paired ? "Differences are within participants." : "Groups are treated as independent.",
+        100.0 * comparison.how.level, comparison.how.resamples, comparison.how.seed);
 }
 
 constexpr std::string_view legend =
-    "p: bootstrap test of no difference; Holm: the same, adjusted for the measures of its part; g: Hedges' "
+    "p: bootstrap test of no difference; Holm: p adjusted for the number of metrics in its part; g: Hedges' "
     "effect size";
 
 /// Rows of the paper's metrics, then the others, with a heading between.
@@ -229,7 +229,7 @@ std::string to_csv(const Comparison& comparison) {
 
 std::string to_html(const Comparison& comparison, std::string_view extra_html) {
     std::string out = fmt::format(
-        "<h1>Comparison</h1>\n<p class=\"soft\">{} {}. Bold: Holm's p is under 0.05. NeoETI {}.</p>\n",
+        "<h1>Comparison</h1>\n<p class=\"soft\">{} {}. Bold: Holm-adjusted p below 0.05. NeoETI {}.</p>\n",
         html_text(how_text(comparison)), html_text(legend), html_text(ETI_VERSION));
     out +=
         "<h2>Mean (standard deviation)</h2>\n<div class=\"wide\"><table>\n<tr><th>Measure</th><th>unit</th>";

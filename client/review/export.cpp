@@ -58,7 +58,7 @@ class CsvFile {
   private:
     [[noreturn]] void fail() {
         throw ExportError(
-            fmt::format("{}: cannot be written: {}; make room or choose another folder with --out",
+            fmt::format("{}: cannot write: {}; free some space or choose another folder with --out",
                         path_.string(), std::strerror(errno)));
     }
 

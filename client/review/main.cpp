@@ -69,7 +69,7 @@ int check(const std::filesystem::path& file, bool repair, bool json) {
     if (!result.is_valid() && result.repairable && !repair) {
         std::cerr << "Remedy: eti-review check --repair " << escaped(file.string()) << '\n';
     }
-    std::cout << escaped(file.string()) << (result.is_valid() ? ": sound\n" : ": damaged\n");
+    std::cout << escaped(file.string()) << (result.is_valid() ? ": valid\n" : ": damaged\n");
     return result.is_valid() ? 0 : refused;
 }
 
@@ -134,8 +134,9 @@ std::optional<review::ScoreModel> score_for_report(const std::string& name) {
     try {
         return review::load_score(find_data_file(name, "scores"));
     } catch (const InputError& error) {
-        throw InputError(fmt::format("--score: {}\nRemedy: --score {} writes the report without a score",
-                                     error.what(), no_score));
+        throw InputError(
+            fmt::format("--score: {}\nRemedy: use --score {} to write the report without a score",
+                        error.what(), no_score));
     }
 }
 
@@ -157,7 +158,7 @@ int report(const std::vector<std::filesystem::path>& files, const std::filesyste
 }  // namespace
 
 int main(int argc, char** argv) {
-    CommandLine app("Looks at recorded sessions (*.eti.h5).", "eti-review");
+    CommandLine app("Reviews recorded sessions (*.eti.h5).", "eti-review");
     app.require_subcommand(1);
     app.fallthrough();
     bool json = false;
@@ -165,69 +166,65 @@ int main(int argc, char** argv) {
 
     std::filesystem::path file;
     CommandLine summary_command =
-        app.add_subcommand("summary", "Print the performance parameters of the run and of each attempt");
+        app.add_subcommand("summary", "Print the metrics of the run and of each attempt");
     summary_command.add_option("FILE", file, "Session file").required();
 
     CommandLine check_command =
-        app.add_subcommand("check", "Read everything and say whether the file is sound");
+        app.add_subcommand("check", "Read everything and report whether the file is valid");
     check_command.add_option("FILE", file, "Session file").required();
     bool repair = false;
     check_command.add_flag(
         "--repair", repair,
-        "Make a file that any HDF5 program opens: clear the mark that a killed recording leaves, keep what "
-        "each "
-        "series still holds, name what is lost. A file that changes so is kept as FILE.before-repair");
+        "Repair a file so that any HDF5 program can open it: clear the flag that a killed recording leaves, "
+        "keep all readable rows, list those that are lost. A changed file is kept as FILE.before-repair");
 
     CommandLine export_command = app.add_subcommand("export", "Write every series as CSV");
     export_command.add_option("FILE", file, "Session file").required();
     std::filesystem::path folder;
-    export_command.add_option("--out", folder, "Folder to write into; made if missing").required();
+    export_command.add_option("--out", folder, "Output folder; created if missing").required();
 
-    CommandLine replay_command = app.add_subcommand(
-        "replay", "Publish a session on the bus as if it went on now, for clients to show");
-    replay_command.add_option("FILE", file, "Session file; comes first").required();
+    CommandLine replay_command =
+        app.add_subcommand("replay", "Publish a session on the bus as if it were live, for clients to show");
+    replay_command.add_option("FILE", file, "Session file; must be the first argument").required();
     Replay how;
-    replay_command.add_number("--speed", how.speed, "How fast", {1.0 / 16, 16.0, "times real time"});
-    replay_command.add_number("--from", how.from, "Where it begins", {0.0, 1e7, "s"});
-    replay_command.add_number("--to", how.to, "Where it ends", {0.0, 1e7, "s"});
-    replay_command.add_flag("--loop", how.loop, "Begin again at the end");
-    replay_command.add_flag("--pause", how.pause, "Begin paused");
+    replay_command.add_number("--speed", how.speed, "Playback speed", {1.0 / 16, 16.0, "times real time"});
+    replay_command.add_number("--from", how.from, "Start time", {0.0, 1e7, "s"});
+    replay_command.add_number("--to", how.to, "End time", {0.0, 1e7, "s"});
+    replay_command.add_flag("--loop", how.loop, "Restart at the end");
+    replay_command.add_flag("--pause", how.pause, "Start paused");
     replay_command.footer(
-        "On a terminal: space pauses, arrows go 1 s, < and > a state, [ and ] change the speed, 0 begins "
-        "again, "
-        "q ends. What else is given (--session, --domain, --peer, ...) goes to eti-server.");
+        "On a terminal: space pauses, arrow keys seek by 1 s, < and > by one state, [ and ] change the "
+        "speed, 0 seeks to the start, q quits. Other options (--session, --domain, --peer, ...) are passed "
+        "to eti-server.");
     replay_command.allow_extras();
     replay_command.fallthrough(false);
 
     CommandLine report_command = app.add_subcommand(
-        "report",
-        "Write one page that opens offline: outcome, parameters, time line, tools over the anatomy");
+        "report", "Write one page that opens offline: outcome, metrics, timeline, tools over the anatomy");
     std::vector<std::filesystem::path> files;
     report_command
-        .add_option("FILE", files, "Session files; the first is compared with the others, at most four")
+        .add_option("FILE", files, "Session files, at most four; the first is compared with the others")
         .required()
         .expected(1, 4);
-    report_command.add_option("--out", folder, "Folder to write report.html into; made if missing")
-        .required();
+    report_command.add_option("--out", folder, "Folder for report.html; created if missing").required();
 
     std::string score = "scripted";
     report_command
-        .add_option("--score", score,
-                    fmt::format("What scores the sessions, by name or path; {}: nothing does", no_score))
+        .add_option("--score", score, fmt::format("Score model, by name or path; {}: no score", no_score))
         .capture_default_str();
 
     CommandLine study_command = app.add_subcommand(
-        "study", "Run the sessions of a study one after another, and go on where it was ended");
+        "study", "Run the sessions of a study one after another; resumes where it was interrupted");
     std::string study_file;
     study_command.add_option("STUDY", study_file, "Study by name or path").required();
     review::StudyRun study_run;
-    study_command.add_option("--out", study_run.folder, "Folder of the study; made if missing").required();
-    study_command.add_option("--participant", study_run.participant, "Run this participant's sessions alone");
-    study_command.add_flag("--status", study_run.status_only, "Say where the study is, and run nothing");
+    study_command.add_option("--out", study_run.folder, "Folder of the study; created if missing").required();
+    study_command.add_option("--participant", study_run.participant, "Run only this participant's sessions");
+    study_command.add_flag("--status", study_run.status_only,
+                           "Print the progress of the study without running anything");
     study_command.footer(
-        "What else is given goes to eti-server. Ctrl-C ends it until it is started again; a session cut off "
-        "is done "
-        "anew.");
+        "Other options are passed to eti-server. Ctrl-C interrupts the study until it is started again; an "
+        "interrupted session is run again.");
     study_command.allow_extras();
     study_command.fallthrough(false);
     study_command.add_flag("--json", json, "Print the result as one JSON object");
@@ -281,7 +278,7 @@ int main(int argc, char** argv) {
     if (ended.broken) {
         const std::string read = (files.empty() ? file : files.front()).string();
         std::cerr << "eti-review: " << (read.empty() ? "a file" : escaped(read))
-                  << ": damaged: reading it ended with " << *ended.broken << '\n';
+                  << ": damaged: reading failed with " << *ended.broken << '\n';
         return refused;
     }
     return ended.status;

@@ -14,7 +14,7 @@ namespace eti::review {
 void refuse_existing(const std::filesystem::path& path, std::string_view option) {
     std::error_code ignored;
     if (std::filesystem::exists(path, ignored)) {
-        throw ExportError(fmt::format("{}: exists already and is not replaced; choose another with {}",
+        throw ExportError(fmt::format("{}: exists already and is not overwritten; choose another with {}",
                                       path.string(), option));
     }
 }
@@ -29,7 +29,7 @@ void write_file(const std::filesystem::path& path, std::string_view text, std::s
         make_folder(path.parent_path(), option);
     }
     if (const std::string why = write_file_atomically(path, text); !why.empty()) {
-        throw ExportError(fmt::format("{}: cannot be written: {}; make room or choose another with {}",
+        throw ExportError(fmt::format("{}: cannot write: {}; free some space or choose another with {}",
                                       path.string(), why, option));
     }
 }

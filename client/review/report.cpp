@@ -256,8 +256,9 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
     const std::size_t cut = page.find(place);
     if (cut == std::string_view::npos) {
         throw ExportError(
-            "report: this program was built without the page, as npm or its packages were missing; install "
-            "Debian's npm, configure with a network (cmake --preset release) and build eti-review again");
+            "report: this program was built without the page because npm or its packages were missing; "
+            "install Debian's npm, configure with network access (cmake --preset release) and build "
+            "eti-review again");
     }
     const std::filesystem::path path = folder / "report.html";
     refuse_existing(path, "--out");

@@ -299,10 +299,10 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
         seen.insert(example.grade);
     }
     if (seen.size() < 2) {
-        throw ScoreError(fmt::format(
-            "score: {} sessions of {} different grades; expected are at least two grades: give sessions that "
-            "went differently well",
-            examples.size(), seen.size()));
+        throw ScoreError(
+            fmt::format("score: {} sessions of {} different grades; expected at least two grades: give "
+                        "sessions of different quality",
+                        examples.size(), seen.size()));
     }
     ScoreModel model;
     model.penalty = penalty;
@@ -341,7 +341,7 @@ ScoreModel fit(std::span<const Example> examples, double penalty) {
     if ((result < 0 && result != NLOPT_ROUNDOFF_LIMITED) || result == NLOPT_MAXEVAL_REACHED ||
         !std::isfinite(least)) {
         throw ScoreError(fmt::format(
-            "score: the fit did not come to an end ({}); raise --penalty, or give more sessions than {}",
+            "score: the fit did not converge ({}); raise --penalty, or give more sessions than {}",
             nlopt_result_to_string(result), examples.size()));
     }
     model.thresholds = thresholds_from(x.data());
@@ -359,9 +359,8 @@ ValidationResult cross_validate(std::span<const Example> examples, double penalt
     }
     if (patients.size() < 2 || persons.size() < 2) {
         throw ScoreError(
-            fmt::format("score: {} patients and {} persons; expected are at least two of each, as a score is "
-                        "judged on those that "
-                        "it has not seen: give sessions of more",
+            fmt::format("score: {} patients and {} operators; expected at least two of each for "
+                        "cross-validation: add sessions of others",
                         patients.size(), persons.size()));
     }
     const auto fold_of = [&](const std::string& person) {

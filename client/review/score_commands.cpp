@@ -19,7 +19,7 @@ namespace eti::review {
 namespace {
 
 constexpr std::string_view skill_source =
-    "the skill that scripted operators were given, or 1 where the trachea was not intubated";
+    "the skill given to scripted operators, or 1 if the trachea was not intubated";
 
 nlohmann::ordered_json to_json(const GradeError& error) {
     return {{"sessions", error.sessions},
@@ -35,21 +35,19 @@ Command add_train(CommandLine& app) {
         double penalty = 1.0;
     };
     const auto options = std::make_shared<Options>();
-    CommandLine command =
-        app.add_subcommand("train",
-                           "Learn a score from graded sessions, and judge it on patients and operators "
-                           "that it has not seen");
+    CommandLine command = app.add_subcommand(
+        "train", "Fit a score to graded sessions, and cross-validate it on unseen patients and operators");
     command.add_option("FILE", options->files, "Session files").required();
     command
         .add_option("--label", options->label,
-                    "What grades them: skill (of scripted operators, and whether they intubated), or an "
-                    "item that instructors rated")
+                    "Source of the grades: skill (of scripted operators, and whether they intubated), or an "
+                    "item rated by instructors")
         .capture_default_str();
-    command.add_option("--out", options->out, "File for the score").required();
-    command.add_option("--name", options->name, "What the score is called").capture_default_str();
-    command.add_option("--html", options->html, "Also write how it was judged as a page to this file");
+    command.add_option("--out", options->out, "Score file to write").required();
+    command.add_option("--name", options->name, "Name of the score").capture_default_str();
+    command.add_option("--html", options->html, "Also write the validation as an HTML page to this file");
     command
-        .add_number("--penalty", options->penalty, "On the weights' squares; more makes them smaller",
+        .add_number("--penalty", options->penalty, "L2 penalty on the weights; larger values shrink them",
                     {1e-3, 1e3})
         .capture_default_str();
     return {command, [options](bool json) {
@@ -75,7 +73,7 @@ Command add_train(CommandLine& app) {
                 bar.clear();
                 for (const std::string& file : left_out) {
                     std::cerr << fmt::format(
-                        "{} is left out: it has no grade by '{}', or its outcome is unknown\n", file,
+                        "{} is excluded: it has no grade by '{}', or its outcome is unknown\n", file,
                         options->label);
                 }
                 const ValidationResult judged = cross_validate(examples, options->penalty);
@@ -120,7 +118,7 @@ Command add_apply(CommandLine& app) {
         std::string model = "scripted";
     };
     const auto options = std::make_shared<Options>();
-    CommandLine command = app.add_subcommand("apply", "Score sessions, with what each parameter contributes");
+    CommandLine command = app.add_subcommand("apply", "Score sessions, with the contribution of each metric");
     command.add_option("FILE", options->files, "Session files").required();
     command.add_option("--model", options->model, "Score by name or path").capture_default_str();
     return {command, [options](bool json) {
@@ -130,9 +128,8 @@ Command add_apply(CommandLine& app) {
                     const Summary summary = summarise(file);
                     if (!summary.outcome_known(summary.run)) {
                         throw ScoreError(
-                            fmt::format("{}: no score, as its outcome is unknown: {}; expected is a session "
-                                        "of a simulated newborn "
-                                        "that was recorded to its end",
+                            fmt::format("{}: no score, as its outcome is unknown: {}; expected a complete "
+                                        "session of a simulated newborn",
                                         file.string(), summary.run.outcome.reason));
                     }
                     const Score score = score_of(model, summary.run.metrics, summary.run.outcome.success);
@@ -157,7 +154,7 @@ Command add_apply(CommandLine& app) {
 }  // namespace
 
 std::vector<Command> add_score_commands(CommandLine& app) {
-    CommandLine group = app.add_subcommand("score", "Score sessions automatically, and learn to");
+    CommandLine group = app.add_subcommand("score", "Score sessions automatically, or fit a score");
     group.require_subcommand(1);
     return {add_train(group), add_apply(group)};
 }

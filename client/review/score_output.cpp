@@ -21,7 +21,7 @@ std::string label_of(const ScoreFeature& feature) {
         return "trachea intubated";
     }
     const std::string label(metric_field(feature.key).label);
-    return feature.subtracted.empty() ? label : label + ", off the weight rule";
+    return feature.subtracted.empty() ? label : label + ", difference from the weight rule";
 }
 
 /// Features by weight, largest first.
@@ -56,11 +56,11 @@ std::vector<double> weights_of(const ScoreModel& model) {
 
 std::string training_statement(const ScoreModel& model) {
     const std::string learnt =
-        fmt::format("Learnt from {} sessions of {} operators with {} patients, graded by {}.", model.sessions,
+        fmt::format("Fitted to {} sessions of {} operators with {} patients, graded by {}.", model.sessions,
                     model.persons, model.patients, model.source);
     return model.human_rated ? learnt
                              : learnt +
-                                   " It has seen no human data: it says how near a session is to a practised "
+                                   " No human data was used: it measures how close a session is to a skilled "
                                    "script, not how good a person is.";
 }
 
@@ -123,7 +123,7 @@ ScoreModel load_score(const std::filesystem::path& file) {
         model.thresholds[k] = number(thresholds[k], "above", any);
         if (k > 0 && model.thresholds[k] < model.thresholds[k - 1]) {
             thresholds[k].refuse("above", fmt::format("{:g}", model.thresholds[k]),
-                                 "at least the threshold before it");
+                                 "at least the previous threshold");
         }
         thresholds[k].finish();
     }
@@ -151,8 +151,8 @@ ScoreModel load_score(const std::filesystem::path& file) {
         const bool more_is_better = score_features()[j].more_is_better;
         if (more_is_better ? weight.weight < 0.0 : weight.weight > 0.0) {
             one.refuse("weight", fmt::format("{:g}", weight.weight),
-                       more_is_better ? "0 or more, as more of it is better"
-                                      : "0 or less, as more of it is no better");
+                       more_is_better ? "0 or more, as larger values are better"
+                                      : "0 or less, as larger values are not better");
         }
         one.finish();
         model.weights.push_back(weight);
@@ -204,14 +204,14 @@ nlohmann::ordered_json to_json(const Score& score, const ScoreModel& model) {
 
 std::string to_table(const Score& score, const ScoreModel& model) {
     std::string out = fmt::format("Score {:.1f} of {}, by '{}'\n", score.grade, grades, model.name);
-    out += "  chances of grades 1 to 5:";
+    out += "  probabilities of grades 1 to 5:";
     for (const double chance : score.chance) {
         out += fmt::format(" {:.0f} %", 100.0 * chance);
     }
     out += "\n";
     for (const std::size_t j : by_size(score.contributions)) {
         out += fmt::format("  {:+7.2f}  {}{}\n", shown(score.contributions[j]), label_of(score_features()[j]),
-                           score.measured[j] ? "" : ": not reached, so it counts as the worst");
+                           score.measured[j] ? "" : ": not reached, counted as the worst value");
     }
     return out + fmt::format("{}\n", training_statement(model));
 }
@@ -219,14 +219,15 @@ std::string to_table(const Score& score, const ScoreModel& model) {
 std::string to_table(const ScoreModel& model) {
     const ValidationResult& j = model.validation;
     std::string out = fmt::format("{}\n", training_statement(model));
-    out += "Judged on sessions of which the model saw neither the patient nor the operator:\n";
+    out += "Cross-validated on sessions of patients and operators that were left out of the fit:\n";
     for (const auto& [name, error] : groups_of(j)) {
-        out +=
-            fmt::format("  {} {}: error {:.2f} grades (always their mean: {:.2f}); rank correlation {:.2f}\n",
-                        error->sessions, name, error->mean_error, error->baseline_error, error->rank);
+        out += fmt::format(
+            "  {} {}: error {:.2f} grades (predicting their mean: {:.2f}); rank correlation {:.2f}\n",
+            error->sessions, name, error->mean_error, error->baseline_error, error->rank);
     }
     out += fmt::format(
-        "  grade 4 or 5 told right in {:.0f} % (always the more frequent: {:.0f} %); Brier {:.3f}\n",
+        "  grade 4 or 5 classified correctly in {:.0f} % (predicting the more frequent: {:.0f} %); Brier "
+        "{:.3f}\n",
         100.0 * j.accuracy, 100.0 * j.baseline_accuracy, j.brier);
     out += fmt::format("  {:>10}{:>12}{:>12}\n", "sessions", "predicted", "observed");
     for (const CalibrationBin& bin : j.calibration) {
@@ -235,7 +236,7 @@ std::string to_table(const ScoreModel& model) {
                                100.0 * bin.observed);
         }
     }
-    out += "Weights, in log odds of a better grade for each deviation:\n";
+    out += "Weights, in log odds of a better grade per standard deviation:\n";
     for (const std::size_t i : by_size(weights_of(model))) {
         out += fmt::format("  {:+7.2f}  {}\n", shown(model.weights[i].weight), label_of(score_features()[i]));
     }
@@ -258,15 +259,15 @@ std::string to_html(const ScoreModel& model) {
     return html_page(
         "Score " + model.name,
         fmt::format("<h1>Score {0}</h1>\n<pre>{1}</pre>\n<h2>Calibration</h2>\n"
-                    "<svg viewBox=\"0 0 360 360\" width=\"480\" role=\"img\" aria-label=\"Predicted chance "
-                    "of grade 4 or 5 and the share that had it\">\n"
+                    "<svg viewBox=\"0 0 360 360\" width=\"480\" role=\"img\" aria-label=\"Predicted "
+                    "probability of grade 4 or 5 and the observed share\">\n"
                     "<rect x=\"{2}\" y=\"{3}\" width=\"{4}\" height=\"{4}\" fill=\"none\" stroke=\"#333\"/>\n"
                     "<line x1=\"{2}\" y1=\"{5}\" x2=\"{6}\" y2=\"{3}\" stroke=\"#999\" "
                     "stroke-dasharray=\"4\"/>\n{7}<text x=\"{8}\" y=\"345\" font-size=\"13\" "
-                    "text-anchor=\"middle\">predicted chance of grade 4 or 5</text>\n"
+                    "text-anchor=\"middle\">predicted probability of grade 4 or 5</text>\n"
                     "<text x=\"20\" y=\"160\" font-size=\"13\" text-anchor=\"middle\" transform=\"rotate(-90 "
-                    "20 160)\">share that had it</text>\n</svg>\n<p>Numbers are sessions; on the broken line "
-                    "chance and share are the same.</p>\n",
+                    "20 160)\">observed share</text>\n</svg>\n<p>Numbers are sessions; on the dashed line "
+                    "probability and share are equal.</p>\n",
                     html_text(model.name), html_text(to_table(model)), left, top, size, top + size,
                     left + size, points, left + size / 2));
 }

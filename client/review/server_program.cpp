@@ -25,9 +25,8 @@ void exec_server(const std::vector<std::string>& arguments) {
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
     ::execv((self.parent_path() / "eti-server").c_str(), pointers.data());
     ::execvp("eti-server", pointers.data());
-    std::cerr << "eti-review: eti-server, which simulates and publishes sessions, is neither in "
-              << self.parent_path().string() << " nor in the PATH: install it (docs/packages.md)"
-              << std::endl;
+    std::cerr << "eti-review: eti-server, which simulates and publishes sessions, was found neither in "
+              << self.parent_path().string() << " nor in PATH: install it (docs/packages.md)" << std::endl;
 }
 
 int run_server(const std::vector<std::string>& arguments) {

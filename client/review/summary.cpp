@@ -49,13 +49,13 @@ void sum_up(Summary& summary, std::span<const session::StepRecord> steps) {
         summary.run.metrics.*field.value = std::numeric_limits<double>::quiet_NaN();
     }
     const std::string_view ends =
-        summary.live ? "the session is still being recorded, up to now" : "the recording ends";
+        summary.live ? "the session is still being recorded; so far" : "the recording ends";
     if (steps.empty()) {
         summary.run.outcome.reason = fmt::format("{} before the first step", ends);
         return;
     }
     const session::StepRecord& last = steps.back();
-    summary.run.outcome.reason = fmt::format("{} at {:.1f} s, before the run was summed up; {}", ends,
+    summary.run.outcome.reason = fmt::format("{} at {:.1f} s, before the results were computed; {}", ends,
                                              seconds_of(last), last_tube_position(steps));
     summary.run.metrics = last.metrics;
     if (!last.attempt_running) {

@@ -69,8 +69,7 @@ std::string to_table(const Summary& summary) {
                        : summary.finished ? ""
                                           : ", cut off before its end");
     if (summary.lost_records > 0) {
-        out += fmt::format("Lost          {} records, because the disk could not follow\n",
-                           summary.lost_records);
+        out += fmt::format("Lost          {} records, because the disk was too slow\n", summary.lost_records);
     }
     out +=
         fmt::format("Outcome       {}: {}\n", outcome_word(summary, summary.run), summary.run.outcome.reason);

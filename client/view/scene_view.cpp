@@ -170,17 +170,17 @@ bool SceneView::apply(const msg::DeformationState& message) {
         }
         const auto pose = bus::decode_frame_pose(update);
         if (!pose) {
-            return reject("eti/deformation", fmt::format("impossible pose of frame {}", update.frame()));
+            return reject("eti/deformation", fmt::format("invalid pose of frame {}", update.frame()));
         }
         decoded_.push_back(*pose);
     }
     for (const msg::Vec3& node : message.tube_nodes()) {
         if (!bus::is_valid_point(node)) {
-            return reject("eti/deformation", "impossible tube node");
+            return reject("eti/deformation", "invalid tube node");
         }
     }
     if (message.tube_nodes().size() == 1) {
-        return reject("eti/deformation", "a tube of one node");
+        return reject("eti/deformation", "a tube with one node");
     }
     const std::uint64_t time = message.header().simulation_time_ns();
     note_time(time);
@@ -223,7 +223,7 @@ bool SceneView::apply(const msg::DeformationState& message) {
 bool SceneView::apply(const msg::FluidState& message) {
     arriving_.clear();
     if (!bus::decode_fluid_chunk(message, max_coordinate, arriving_)) {
-        return reject("eti/fluid", fmt::format("impossible chunk {} of {} with {} numbers", message.chunk(),
+        return reject("eti/fluid", fmt::format("invalid chunk {} of {} with {} numbers", message.chunk(),
                                                message.chunks(), message.places().size()));
     }
     const std::uint64_t time = message.header().simulation_time_ns();
@@ -281,7 +281,7 @@ bool SceneView::apply(const msg::ProxyState& message) {
     for (const msg::ShellContact& contact : message.contacts()) {
         const Vec3f position = bus::from_msg(contact.position());
         if (!is_valid_point(position) || !std::isfinite(contact.force())) {
-            return reject("eti/proxy", "an impossible contact");
+            return reject("eti/proxy", "an invalid contact");
         }
         if (contact.tissue() == static_cast<std::uint32_t>(Tissue::upper_gum) && contact.force() > 0.0f) {
             moment += contact.force() * position;
@@ -301,7 +301,7 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     }
     const auto points = keys_->landmarks(message);
     if (!points) {
-        return reject("eti/live_metrics", "landmarks that are missing or impossible");
+        return reject("eti/live_metrics", "landmarks that are missing or invalid");
     }
     const LiveMeasures measures = keys_->measures(message);
     for (const LiveMeasureField& field : live_measure_fields) {
@@ -320,13 +320,13 @@ bool SceneView::apply(const msg::LiveMetrics& message) {
     std::ranges::transform(message.glottis_contour(), std::back_inserter(contour),
                            [](const msg::Vec3& p) { return bus::from_msg(p); });
     if (!std::ranges::all_of(contour, [](const Vec3f& p) { return is_valid_point(p); })) {
-        return reject("eti/live_metrics", "an impossible contour of the glottis");
+        return reject("eti/live_metrics", "an invalid contour of the glottis");
     }
     std::optional<RigidTransform> eye;
     if (message.eye_heard()) {
         eye = bus::valid_pose(message.eye());
         if (!eye) {
-            return reject("eti/live_metrics", "an impossible eye");
+            return reject("eti/live_metrics", "an invalid eye position");
         }
     }
     note_time(message.header().simulation_time_ns());

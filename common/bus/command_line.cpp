@@ -18,28 +18,26 @@ void add_options(CommandLine& app, Options& options) {
         .group(group);
     add_domain(app, options).group(group);
     app.add_flag("--network", options.network,
-                 "Meet programs of other machines by multicast; without it and --peer, --discovery-server or "
-                 "--profile, those of this machine alone")
+                 "Discover programs on other machines by multicast; without it and --peer, "
+                 "--discovery-server or --profile, only programs on this machine")
         .group(group);
-    app.add_option(
-           "--peer", options.peers,
-           "Another machine of the session by name or address, where multicast does not reach it; may be "
-           "given several times")
+    app.add_option("--peer", options.peers,
+                   "Another machine of the session by name or address, if multicast does not reach it; may "
+                   "be repeated")
         .allow_extra_args(false)
         .group(group);
-    app.add_option(
-           "--discovery-server", options.discovery_servers,
-           "HOST or HOST:PORT of a discovery server, which tells who is there; a second one is its backup")
+    app.add_option("--discovery-server", options.discovery_servers,
+                   "HOST or HOST:PORT of a discovery server, through which programs find each other; a "
+                   "second one is its backup")
         .allow_extra_args(false)
         .group(group);
     app.add_option("--profile", options.profile,
-                   "Fast DDS XML profile file, for all else (see deploy/data/dds)")
+                   "Fast DDS XML profile, for any other setup (see deploy/data/dds)")
         .existing_file()
         .group(group);
-    app.add_option(
-           "--identity", options.identity,
-           "Folder with this program's certificate and permissions: encrypt, and admit only those with one "
-           "of the same lab (see deploy/security)")
+    app.add_option("--identity", options.identity,
+                   "Folder with this program's certificate and permissions: encrypt, and admit only programs "
+                   "with an identity of the same lab (see deploy/security)")
         .existing_folder()
         .group(group);
 }

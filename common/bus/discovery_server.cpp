@@ -39,10 +39,10 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     impl_->participant = dds::DomainParticipantFactory::get_instance()->create_participant(
         static_cast<std::uint32_t>(options.domain), qos, nullptr, dds::StatusMask::none());
     if (impl_->participant == nullptr) {
-        throw BusError(fmt::format(
-            "cannot listen on {}:{}: the address is not this machine's or the port is taken; choose "
-            "another --address or --port",
-            address.empty() ? "any" : address, port));
+        throw BusError(
+            fmt::format("cannot listen on {}:{}: the address is not this machine's or the port is in use; "
+                        "choose another --address or --port",
+                        address.empty() ? "any" : address, port));
     }
 }
 

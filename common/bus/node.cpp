@@ -137,8 +137,8 @@ Participant::Participant(const Options& wanted)
         static_cast<std::uint32_t>(options.domain), qos, this, dds::StatusMask::none());
     if (participant == nullptr) {
         throw BusError(
-            fmt::format("cannot join domain {}: its UDP ports from {} on are taken or there is no network; "
-                        "choose another --domain, or bring a network interface up (ip link set lo up)",
+            fmt::format("cannot join domain {}: its UDP ports from {} on are in use or there is no network; "
+                        "choose another --domain, or bring up a network interface (ip link set lo up)",
                         options.domain, 7400 + 250 * options.domain));
     }
     dds::PublisherQos publisher_qos = dds::PUBLISHER_QOS_DEFAULT;
@@ -151,8 +151,8 @@ Participant::Participant(const Options& wanted)
     if (publisher == nullptr || subscriber == nullptr) {
         close();
         throw BusError(
-            fmt::format("cannot join session '{}' on domain {}: the DDS library refused its "
-                        "partition; see the lines above",
+            fmt::format("cannot join session '{}' on domain {}: the DDS library rejected its partition; see "
+                        "the lines above",
                         options.session, options.domain));
     }
 }
@@ -178,7 +178,7 @@ dds::Topic* Participant::topic(std::string_view name, dds::TypeSupport type) {
     auto* made = participant->create_topic(std::string(name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
     if (made == nullptr) {
         throw BusError(
-            fmt::format("cannot make topic {}: the DDS library refused it; see the lines above", name));
+            fmt::format("cannot create topic {}: the DDS library rejected it; see the lines above", name));
     }
     topics_.emplace(name, made);
     return made;

@@ -16,8 +16,8 @@ constexpr std::chrono::milliseconds poll_interval{20};
 
 [[noreturn]] void refuse(const Options& options, const std::string& owner) {
     throw BusError(
-        fmt::format("session '{}' on domain {} is already run by the server {}: choose another --session, or "
-                    "stop that one",
+        fmt::format("session '{}' on domain {} is already run by server {}: choose another --session, or "
+                    "stop that server",
                     options.session, options.domain, owner));
 }
 
@@ -52,9 +52,10 @@ void look_for_server(const Participant& self, bool found, SelfCheck& check) {
         }
     }
     if (!elsewhere.empty()) {
-        check.warnings.push_back(fmt::format(
-            "no server in session '{}' on domain {}, but there is session {}; is that the --session meant?",
-            self.options.session, self.options.domain, elsewhere));
+        check.warnings.push_back(
+            fmt::format("no server in session '{}' on domain {}, but there is session {}; is that the "
+                        "intended --session?",
+                        self.options.session, self.options.domain, elsewhere));
     } else {
         check.warnings.push_back(missing_server_message(self.options));
     }
@@ -88,8 +89,8 @@ DiscoveryTimeout explain_missing_server(const Options& options) {
                         reach(options)),
             fmt::format("start eti-server with the same --session and --domain; {}--network, --peer ADDRESS, "
                         "--discovery-server HOST or --profile FILE (docs/network.md){}",
-                        alone ? "for one on another machine, give both programs "
-                              : "to reach it otherwise, give both programs another of ",
+                        alone ? "for a server on another machine, give both programs "
+                              : "for other connections, give both programs another of ",
                         options.identity.empty()
                             ? "; for a secured session, --identity DIR (docs/security.md)"
                             : "; both need an --identity of the same lab (docs/security.md)")};
@@ -97,7 +98,7 @@ DiscoveryTimeout explain_missing_server(const Options& options) {
 
 std::string missing_server_message(const Options& options) {
     const auto [finding, remedy] = explain_missing_server(options);
-    return fmt::format("{}: {}; eti-doctor says what is wrong", finding, remedy);
+    return fmt::format("{}: {}; eti-doctor diagnoses the cause", finding, remedy);
 }
 
 void refuse_other_protocol(const Node& node) {
@@ -105,9 +106,8 @@ void refuse_other_protocol(const Node& node) {
     for (const Peer& peer : self.peers()) {
         if (peer.name == server_name && peer.session == self.options.session && peer.protocol != protocol) {
             throw BusError(fmt::format(
-                "the server {} of session '{}' is of version {} (protocol {}), this program of version {} "
-                "(protocol {}): they do not understand each other; run programs of the same version on all "
-                "machines",
+                "the server {} of session '{}' has version {} (protocol {}), this program version {} "
+                "(protocol {}): they are incompatible; run programs of the same version on all machines",
                 peer.process, self.options.session, peer.version, peer.protocol, ETI_VERSION, protocol));
         }
     }

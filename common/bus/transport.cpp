@@ -41,10 +41,9 @@ rtps::Locator_t locator_of(const std::string& host, const char* option) {
     wanted.ai_socktype = SOCK_DGRAM;
     addrinfo* found = nullptr;
     if (const int error = ::getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0) {
-        throw BusError(
-            fmt::format("{} {}: no IPv4 address is known of it ({}); give an address, or a name that "
-                        "'getent hosts {}' finds",
-                        option, host, ::gai_strerror(error), host));
+        throw BusError(fmt::format(
+            "{} {}: no IPv4 address found ({}); give an address, or a name that 'getent hosts {}' resolves",
+            option, host, ::gai_strerror(error), host));
     }
     char text[INET_ADDRSTRLEN] = {};
     ::inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr, text, sizeof text);
@@ -147,10 +146,9 @@ void check_socket_buffer(int option, const char* kernel_setting, std::vector<std
     ::setsockopt(probe.get(), SOL_SOCKET, option, &wanted, sizeof wanted);
     // Linux reports twice the usable size.
     if (::getsockopt(probe.get(), SOL_SOCKET, option, &granted, &size) == 0 && granted / 2 < wanted) {
-        warnings.push_back(
-            fmt::format("the kernel grants socket buffers of {} kB where {} kB keep large messages whole; "
-                        "run: sysctl -w {}={}",
-                        granted / 2048, wanted / 1024, kernel_setting, wanted));
+        warnings.push_back(fmt::format(
+            "the kernel grants socket buffers of {} kB, but large messages need {} kB; run: sysctl -w {}={}",
+            granted / 2048, wanted / 1024, kernel_setting, wanted));
     }
 }
 
@@ -160,7 +158,7 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
     const bool by_peers = !options.peers.empty(), by_server = !options.discovery_servers.empty();
     if (!options.profile.empty() && (by_peers || by_server || options.network)) {
         throw BusError(
-            fmt::format("--profile {} together with {}: the profile says by itself how others are reached; "
+            fmt::format("--profile {} together with {}: the profile already defines how others are reached; "
                         "give one of the two",
                         options.profile.string(),
                         reach({.peers = options.peers,
@@ -169,7 +167,8 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
     }
     if (by_peers && by_server) {
         throw BusError(
-            "--peer together with --discovery-server: the server tells who is there; give one of the two");
+            "--peer together with --discovery-server: the server already does the discovery; give one of the "
+            "two");
     }
     if (!options.profile.empty()) {
         dds::DomainParticipantQos qos = profile_qos(options.profile);
@@ -236,7 +235,7 @@ std::string reach(const Options& options) {
     for (const std::string& server : options.discovery_servers) {
         add("--discovery-server " + server);
     }
-    return text.empty() ? "this machine alone" : text;
+    return text.empty() ? "this machine only" : text;
 }
 
 }  // namespace eti::bus

@@ -54,7 +54,7 @@ class Copier {
         const Handle group(H5Gcreate2(to_.id(), path.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
                            H5Gclose);
         if (!group) {
-            fail(path, "the group cannot be made in the copy");
+            fail(path, "cannot create the group in the copy");
         }
     }
 
@@ -103,7 +103,7 @@ class Copier {
         }
         if (H5Lcreate_hard(to_.id(), at->second.c_str(), to_.id(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT) <
             0) {
-            fail(path, "it cannot be linked in the copy");
+            fail(path, "cannot link it in the copy");
         }
         return true;
     }
@@ -134,7 +134,7 @@ class Copier {
                                      creation.get(), H5P_DEFAULT),
                           H5Dclose);
         if (!copy) {
-            fail(path, "the data set cannot be made in the copy");
+            fail(path, "cannot create the data set in the copy");
         }
         if (!changed.empty()) {
             write_texts(copy.get(), type.get(), path, changed);

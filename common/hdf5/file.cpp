@@ -87,15 +87,15 @@ File File::create(const std::filesystem::path& path) {
     const Handle creation = creation_properties(), access = access_properties();
     std::error_code error;
     if (std::filesystem::exists(path, error)) {
-        throw Error(fmt::format("{}: exists already and is not overwritten; choose another name or remove it",
+        throw Error(fmt::format("{}: already exists and is not overwritten; choose another name or remove it",
                                 path.string()));
     }
     errno = 0;
     Handle id(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation.get(), access.get()), H5Fclose);
     if (!id) {
         const int reason = errno;
-        throw Error(fmt::format("{}: cannot be created: {}; name a folder that exists and may be written",
-                                path.string(), reason != 0 ? std::strerror(reason) : last_error()));
+        throw Error(fmt::format("{}: cannot be created: {}; name an existing, writable folder", path.string(),
+                                reason != 0 ? std::strerror(reason) : last_error()));
     }
     return {std::move(id), path};
 }
@@ -122,7 +122,7 @@ File File::open(const std::filesystem::path& path, Access access, const std::fil
 void File::close() {
     root_ = Group();
     if (!id_.close()) {
-        throw Error(fmt::format("{}: cannot be written to the end: {}", path_.string(), last_error()));
+        throw Error(fmt::format("{}: writing did not complete: {}", path_.string(), last_error()));
     }
 }
 

@@ -41,7 +41,7 @@ std::vector<SkinWeights> read_skin(const Group& group, std::size_t count) {
     const auto frames = group.read<std::uint16_t>("skin_frame", {count, any_extent});
     const std::size_t width = frames.shape[1];
     if (width > frames_per_point) {
-        throw Error(fmt::format("{}: {} frames a point; this program reads at most {}",
+        throw Error(fmt::format("{}: {} frames per point; this program reads at most {}",
                                 group.at("skin_frame"), width, frames_per_point));
     }
     const auto weights = group.read<float>("skin_weight", frames.shape);
@@ -74,7 +74,7 @@ std::vector<Tissue> read_tissues(const Group& group, const std::string& name, st
     tissues.reserve(array.values.size());
     for (const std::uint8_t number : array.values) {
         if (number >= tissue_count) {
-            throw Error(fmt::format("{}: {} is no tissue; expected 0 to {}", group.at(name), number,
+            throw Error(fmt::format("{}: {} is not a tissue; expected 0 to {}", group.at(name), number,
                                     tissue_count - 1));
         }
         tissues.push_back(static_cast<Tissue>(number));
@@ -95,7 +95,7 @@ Surface read_surface(const Group& group, std::size_t frames) {
     surface.name = group.text("name");
     const std::uint64_t tissue = group.integer("tissue");
     if (tissue >= tissue_count) {
-        throw Error(fmt::format("{}: attribute tissue: {} is no tissue", group.place(), tissue));
+        throw Error(fmt::format("{}: attribute tissue: {} is not a tissue", group.place(), tissue));
     }
     surface.tissue = static_cast<Tissue>(tissue);
     surface.mesh = read_mesh(group);
@@ -136,7 +136,7 @@ void require_skin(const Group& group, std::span<const SkinWeights> skin, std::si
                                         group.at("skin_weight"), i, weight));
             }
             if (weight > 0.0f && skin[i].frame[k] >= frames) {
-                throw Error(fmt::format("{}: point {} names frame {}, but there are only {}",
+                throw Error(fmt::format("{}: point {} refers to frame {}, but there are only {}",
                                         group.at("skin_frame"), i, skin[i].frame[k], frames));
             }
             sum += weight;

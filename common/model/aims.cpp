@@ -17,17 +17,17 @@ constexpr Aim aim_rows[] = {
     {"gum_force_n.max", [](const P& p, const P&) { return p.gum_force_max_n; }, 5.3, no_limit, false, crossed,
      "Lift along the handle, away from you; do not lever the blade on the upper gum"},
     {"attempts", [](const P& p, const P&) { return p.attempts; }, 1, 2, false, second_attempt,
-     "See the glottis before the tube goes in; ask for suction, head or larynx to be moved within the first "
-     "attempt"},
+     "See the glottis before advancing the tube; ask for suction or for head or larynx to be moved within "
+     "the first attempt"},
     {"time_s", [](const P& p, const P&) { return p.time_s; }, 30, 45, true, crossed,
      "Have the tube in hand before the blade goes in; stop and ventilate when 30 s have passed"},
     {"oesophageal_entries", [](const P& p, const P&) { return p.oesophageal_entries; }, 0, 0, false, crossed,
-     "Watch the tube's tip pass between the cords; without them in sight, do not advance"},
+     "Watch the tube's tip pass between the cords; do not advance without seeing them"},
     {"tube_depth_at_lip_cm",
      [](const P& p, const P&) { return std::abs(p.tube_depth_at_lip_cm - p.tube_depth_rule_cm); }, 0.5, 1,
      false, end, "Read the mark at the lip before the blade comes out: weight in kg plus 6 cm"},
     {"main_stem_entries", [](const P& p, const P&) { return p.main_stem_entries; }, 0, 0, false, crossed,
-     "Stop when the tube's cord mark is at the cords"},
+     "Stop when the tube's depth mark is at the cords"},
     {"cormack_lehane_grade", [](const P& p, const P&) { return p.cormack_lehane_grade; }, 1, 2, false,
      best_view,
      "Bring the blade's tip to the vallecula or under the epiglottis, then lift until half of the "

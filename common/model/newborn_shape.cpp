@@ -53,22 +53,22 @@ constexpr float heaviest = 1.7f;
 
 const std::array<ShapeField, 8> shape_fields = {{
     {"weight", "patient", "weight", "kg", 1.0f, 0.5f, 4.5f, &NewbornShape::weight,
-     "Weight; lengths go with its cube root"},
+     "Weight; lengths scale with its cube root"},
     {"gestational_age", "patient", "gestational age", "weeks", 1.0f, 22.0f, 42.0f,
      &NewbornShape::gestational_age,
      "Gestational age, by default that of the weight; the cranium follows it"},
     {"tongue_scale", "patient", "tongue scale", "", 1.0f, tongue_scale_range.low, tongue_scale_range.high,
-     &NewbornShape::tongue_scale, "Size of the tongue, 1 is usual; a large one hides the glottis"},
+     &NewbornShape::tongue_scale, "Scale of the tongue, 1 is normal; a large tongue hides the glottis"},
     {"mandible_scale", "patient", "mandible scale", "", 1.0f, 0.7f, 1.15f, &NewbornShape::mandible_scale,
-     "Length of the mandible, 1 is usual; a short one pushes the tongue back"},
+     "Scale of the mandible's length, 1 is normal; a short mandible pushes the tongue back"},
     {"mouth_scale", "patient", "mouth scale", "", 1.0f, 0.7f, 1.2f, &NewbornShape::mouth_scale,
-     "Width of the mouth, 1 is usual"},
+     "Scale of the mouth's width, 1 is normal"},
     {"head_scale", "patient", "head scale", "", 1.0f, head_scale_range.low, head_scale_range.high,
-     &NewbornShape::head_scale, "Size of the cranium against that of weight and age"},
+     &NewbornShape::head_scale, "Size of the cranium relative to that of weight and age"},
     {"larynx_anterior", "patient", "larynx forward", "mm", millimetre, 0.0f, 3.0f,
-     &NewbornShape::larynx_anterior, "How far the larynx lies forward, in mm of a 3.5 kg newborn"},
+     &NewbornShape::larynx_anterior, "Anterior displacement of the larynx, in mm of a 3.5 kg newborn"},
     {"larynx_superior", "patient", "larynx upward", "mm", millimetre, 0.0f, 3.0f,
-     &NewbornShape::larynx_superior, "How far the larynx lies upward, in mm of a 3.5 kg newborn"},
+     &NewbornShape::larynx_superior, "Superior displacement of the larynx, in mm of a 3.5 kg newborn"},
 }};
 
 void apply(AirwayVariant variant, NewbornShape& shape) {
@@ -118,14 +118,13 @@ std::string implausibility(const NewbornShape& shape) {
         }
     }
     if (!(shape.jaw_opening >= 0.0f && shape.jaw_opening <= 25.0f * degree)) {
-        return fmt::format("the mouth is open by {:g} deg; expected 0 to 25", shape.jaw_opening / degree);
+        return fmt::format("the jaw opening is {:g} deg; expected 0 to 25", shape.jaw_opening / degree);
     }
     const auto [low, high] = plausible_weights(shape.gestational_age);
     if (shape.weight < low || shape.weight > high) {
         return fmt::format(
             "weight_kg is {:g} at gestational_age_weeks {:g}; expected {:.2f} to {:.2f}. Give the age of "
-            "that "
-            "weight, {:.0f}, or leave it out",
+            "that weight, {:.0f}, or omit it",
             shape.weight, shape.gestational_age, low, high, median_gestational_age(shape.weight));
     }
     return {};

@@ -25,16 +25,16 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
     s.follow = map.flag("follow", s.follow);
     s.steer = map.flag("steer", s.steer);
     if (s.steer && tool != Tool::tube) {
-        map.refuse("steer", "'on' for the laryngoscope", "it under 'tube' alone; a tube's tip is steered");
+        map.refuse("steer", "'on' for the laryngoscope", "it only under 'tube'; the tube's tip is steered");
     }
     if (s.keep && first) {
         map.refuse("keep", "'on' in a track's first stage",
-                   "a stage before it to keep to; give 'tip' and 'axis'");
+                   "an earlier stage to keep; give 'tip' and 'axis'");
     }
     for (const char* key : {"tip", "axis", "follow", "steer"}) {
         if (s.keep && map.has(key)) {
-            map.refuse(key, "a value beside 'keep: on'",
-                       "one of the two; a kept pose has its tip and axis already");
+            map.refuse(key, "a value together with 'keep: on'",
+                       "one of the two; a kept pose already has its tip and axis");
         }
     }
     if (auto tip = map.map("tip")) {
@@ -52,7 +52,7 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
         if (!s.axis_to_tip && s.axis_to == s.axis_from && s.axis_from_offset.isZero() &&
             s.axis_from_fixed_offset.isZero()) {
             axis->refuse("to", "the place of 'from'",
-                         "another one; between a place and itself there is no direction");
+                         "a different place; identical places define no direction");
         }
         axis->finish();
     }
@@ -62,7 +62,8 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
     s.depth_at_lip = map.number("depth_at_lip_mm", s.depth_at_lip, {0, 200, millimetre});
     s.depth_by_rule = map.flag("depth_by_rule", s.depth_by_rule);
     if (s.depth_by_rule && map.has("depth_at_lip_mm")) {
-        map.refuse("depth_by_rule", "'on' beside 'depth_at_lip_mm'", "one of the two; remove the other");
+        map.refuse("depth_by_rule", "'on' together with 'depth_at_lip_mm'",
+                   "one of the two; remove the other");
     }
     s.pitch = map.number("pitch_deg", s.pitch, {-60, 60, degree});
     s.yaw = map.number("yaw_deg", s.yaw, {-60, 60, degree});
@@ -82,11 +83,12 @@ Stage read_stage(YamlMap& map, bool first, Tool tool) {
         until->finish();
     }
     if (s.until_tube_aside >= 0.0f && !s.steer) {
-        map.refuse("until", "'tube_aside_mm' in a stage that does not steer", "'steer: on' beside it");
+        map.refuse("until", "'tube_aside_mm' in a stage that does not steer",
+                   "'steer: on' in the same stage");
     }
     if (s.until_blade_past >= 0.0f && (tool == Tool::tube || s.keep)) {
-        map.refuse("until", "'blade_past_mm' in a stage that takes no blade to a landmark",
-                   "it in a stage of the laryngoscope that says where its 'tip' goes");
+        map.refuse("until", "'blade_past_mm' in a stage that does not move the blade to a landmark",
+                   "it in a stage of the laryngoscope with a 'tip'");
     }
     s.timeout = map.number("timeout_s", s.timeout, {0, 600});
     s.abort_on_timeout = map.flag("abort_on_timeout", s.abort_on_timeout);

@@ -50,19 +50,19 @@ std::string number_error(std::string& text, const NumberLimits<Number>& limits) 
         std::int64_t below = 0;
         const auto [after, none] = std::from_chars(begin, end, below);
         return refused(after == end && none != std::errc::invalid_argument ? "is too small"
-                                                                           : "is no whole number");
+                                                                           : "is not a whole number");
     }
     if constexpr (!whole) {
         if (number_first && error == std::errc() && !std::isfinite(value)) {
-            return refused("is no number");
+            return refused("is not a number");
         }
     }
     if (!number_first || rest != end) {
         const bool unit_follows = number_first && (std::isalpha(static_cast<unsigned char>(*rest)) != 0 ||
                                                    *rest == ' ' || *rest == '%');
-        return refused(unit_follows ? "is more than a number, which stands alone"
-                       : whole      ? "is no whole number"
-                                    : "is no number");
+        return refused(unit_follows ? "has characters after the number"
+                       : whole      ? "is not a whole number"
+                                    : "is not a number");
     }
     if (error == std::errc::result_out_of_range) {
         return refused("is out of range");

@@ -34,7 +34,7 @@ GuardedResult run_guarded(const std::function<int()>& task, const GuardLimits& l
     std::fflush(nullptr);
     const pid_t child = ::fork();
     if (child < 0) {
-        return {1, fmt::format("no child process: {}", std::strerror(errno))};
+        return {1, fmt::format("cannot start a child process: {}", std::strerror(errno))};
     }
     if (child == 0) {
         limit(RLIMIT_CORE, 0);

@@ -21,7 +21,7 @@ std::string take_priority(int policy, int priority) {
         return {};
     }
     return fmt::format(
-        "no real-time priority ({}): messages and forces may come late under load; run as root, or allow it: "
+        "no real-time priority ({}): messages and forces may be late under load; run as root, or allow it: "
         "ulimit -r {}",
         std::strerror(errno), priority);
 }

@@ -64,7 +64,7 @@ std::filesystem::path find_data_file(const std::string& name_or_path, const std:
         }
     }
     const std::vector<std::string> names = data_names(kind);
-    throw InputError(fmt::format("'{}' is neither a file nor a name in {}; names there are: {}", name_or_path,
+    throw InputError(fmt::format("'{}' is neither a file nor a name in {}; available names: {}", name_or_path,
                                  fmt::join(searched, ", "),
                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }

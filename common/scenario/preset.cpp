@@ -18,7 +18,7 @@ Preset parse_preset(const std::string& text, const std::filesystem::path& file) 
     preset.name = root.name("name", file.stem().string());
     preset.description = root.text("description", "");
     if (preset.description.empty()) {
-        root.refuse("description", "nothing", "a sentence for whoever chooses");
+        root.refuse("description", "nothing", "a sentence that describes the preset");
     }
     if (auto set = root.map("set")) {
         for (const RuntimeParameterField& field : runtime_parameter_fields) {

@@ -55,11 +55,10 @@ void read_shape(YamlMap& patient, NewbornShape& shape) {
     read_fields(patient, "patient", rows.subspan(1), shape);
     const auto [lightest, heaviest] = plausible_weights(shape.gestational_age);
     if (shape.weight < lightest || shape.weight > heaviest) {
-        patient.refuse(
-            rows[0].key(), fmt::format("{:g}", shape.weight),
-            fmt::format("{:.2f} to {:.2f} at gestational_age_weeks {:g}; or leave the age out, and it "
-                        "follows the weight",
-                        lightest, heaviest, shape.gestational_age));
+        patient.refuse(rows[0].key(), fmt::format("{:g}", shape.weight),
+                       fmt::format("{:.2f} to {:.2f} at gestational_age_weeks {:g}; or omit the age, which "
+                                   "then follows the weight",
+                                   lightest, heaviest, shape.gestational_age));
     }
 }
 
@@ -68,7 +67,7 @@ void reject_keys_fixed_by_model(const YamlMap& map, std::span<const std::string>
     for (const std::string& key : keys) {
         if (map.has(key)) {
             map.refuse(key, "a value",
-                       "none beside patient.model, which was built with its own; build another model");
+                       "no value together with patient.model, which has its own; build another model");
         }
     }
 }
@@ -106,10 +105,9 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             if (const std::string kind =
                     model_file == ModelFile::required ? describe_non_regular(p.model) : "";
                 !kind.empty()) {
-                patient->refuse(
-                    "model", fmt::format("'{}', where there is {}", escaped(p.model.string()), kind),
-                    "a file that 'eti-anatomy build --out' wrote; build it, or mend the path, which "
-                    "begins at the scenario's folder");
+                patient->refuse("model", fmt::format("'{}', which is {}", escaped(p.model.string()), kind),
+                                "a file written by 'eti-anatomy build --out'; build it, or correct the path, "
+                                "which is relative to the scenario's folder");
             }
         }
         patient->finish();
@@ -180,7 +178,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
            "Rheology and appearance of the secretions; needs `saliva` on or standby");
     if (!s.saliva && s.liquid != LiquidKind::saliva) {
         root.refuse("liquid", std::string(name_of(s.liquid)),
-                    "saliva, or none: without 'saliva: on' or 'saliva: standby' there is no liquid");
+                    "'saliva: on' or 'saliva: standby' as well; without either there is no liquid");
     }
     s.runtime_parameters.secretion = s.saliva && !s.saliva_standby ? 1.0f : 0.0f;
     s.runtime_parameters.head_scale = s.patient.shape.head_scale;
@@ -198,7 +196,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     s.manikin = root.flag("manikin", s.manikin,
                           "A real manikin replaces the patient; only the tools' poses are tracked");
     if (s.manikin && (s.saliva || s.vital_signs)) {
-        root.refuse("manikin", fmt::format("'on' beside '{}'", s.saliva ? "saliva" : "vital_signs"),
+        root.refuse("manikin", fmt::format("'on' together with '{}'", s.saliva ? "saliva" : "vital_signs"),
                     "one of the two; a manikin has neither");
     }
     s.inspired_oxygen = root.number("inspired_oxygen_percent", s.inspired_oxygen, {21, 100, 0.01f},

@@ -67,8 +67,9 @@ std::string with_setting(const std::string& text, const std::string& typed) {
     YAML::Node map = root;
     if (!section.empty()) {
         if (const YAML::Node there = root[section]; there.IsDefined() && !there.IsNull() && !there.IsMap()) {
-            throw InputError(fmt::format(
-                "--set {}: '{}' is no section of the scenario; see eti-server --describe", typed, section));
+            throw InputError(
+                fmt::format("--set {}: '{}' is not a section of the scenario; see eti-server --describe",
+                            typed, section));
         }
         map.reset(root[section]);
     }

@@ -115,8 +115,8 @@ class Gate : public YAML::EventHandler {
                 return;
             }
         }
-        throw InputError(fmt::format("{}: found a quote that is never closed; close it with {}",
-                                     place(file_, mark), quote));
+        throw InputError(
+            fmt::format("{}: found an unterminated quote; close it with {}", place(file_, mark), quote));
     }
     void enter(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag) {
         check(mark, anchor, tag);
@@ -161,7 +161,7 @@ void check_text(const std::string& text, const std::string& file) {
         }
         if (!good) {
             throw InputError(
-                fmt::format("{}:{}: found a byte 0x{:02x} that is no UTF-8 text, expected a text file; is "
+                fmt::format("{}:{}: found byte 0x{:02x}, which is not valid UTF-8, expected a text file; is "
                             "this the right file?",
                             file, line, byte));
         }
@@ -207,7 +207,7 @@ YamlMap::YamlMap(YAML::Node node, std::string file, std::string path, Descriptio
       path_(std::move(path)),
       described_(std::move(described)) {
     if (!node_.IsMap()) {
-        throw InputError(fmt::format("{}: {} is no mapping, expected 'key: value' lines",
+        throw InputError(fmt::format("{}: {} is not a mapping, expected 'key: value' lines",
                                      place(file_, node_.Mark()),
                                      path_.empty() ? "the file" : "'" + path_ + "'"));
     }
@@ -220,7 +220,7 @@ YamlMap::YamlMap(YAML::Node node, std::string file, std::string path, Descriptio
         }
         const std::string key = entry.first.Scalar();
         if (!seen.insert(key).second) {
-            throw InputError(fmt::format("{}: key '{}{}' stands twice, expected once; remove one",
+            throw InputError(fmt::format("{}: key '{}{}' appears twice, expected once; remove one",
                                          place(file_, entry.first.Mark()), path_, shortened(key)));
         }
     }
@@ -243,12 +243,11 @@ YamlMap YamlMap::parse(const std::string& text, const std::string& file) {
     } catch (const YAML::Exception& error) {
         if (const auto line = line_indented_by_tab(text)) {
             throw InputError(
-                fmt::format("{}:{}: found a tab before the first word, expected spaces; replace the "
-                            "tabs at the lines' beginnings by spaces",
+                fmt::format("{}:{}: found a tab in the indentation, expected spaces; replace tabs by spaces",
                             file, *line));
         }
-        throw InputError(
-            fmt::format("{}: not valid YAML: {}; mend the file there", place(file, error.mark), error.msg));
+        throw InputError(fmt::format("{}: not valid YAML: {}; correct the file there",
+                                     place(file, error.mark), error.msg));
     }
 }
 
@@ -288,7 +287,7 @@ float YamlMap::in_range(const std::string& key, const std::string& typed, const 
         const bool number_first = error == std::errc() && end != typed.data() && std::isfinite(value);
         refuse(key, shown(typed),
                expected + (number_first && end != typed.data() + typed.size()
-                               ? "; write the number alone, its unit stands in the key"
+                               ? "; write the number without its unit, which is in the key"
                                : ""));
     }
     return value * range.unit;
@@ -345,7 +344,7 @@ std::string YamlMap::text(const std::string& key, const std::string& fallback, s
         refuse(key, fmt::format("{} letters", typed.size()), expected);
     }
     if (escaped_lines(typed) != typed) {
-        refuse(key, shown(typed), expected + ", none of which commands a terminal");
+        refuse(key, shown(typed), expected + ", without control characters");
     }
     return typed;
 }
@@ -384,11 +383,11 @@ Vec3f YamlMap::vector(const std::string& key, const Range& range) {
     const std::string expected = fmt::format(
         "a list [left, posterior, superior] of three numbers from {} to {}", range.low, range.high);
     if (!value.IsSequence() || value.size() != 3) {
-        refuse(key, value.IsSequence() ? fmt::format("{} entries", value.size()) : "no list", expected);
+        refuse(key, value.IsSequence() ? fmt::format("{} entries", value.size()) : "not a list", expected);
     }
     for (std::size_t k = 0; k < 3; ++k) {
         if (!value[k].IsScalar()) {
-            refuse(key, "an entry that is no number", expected);
+            refuse(key, "an entry that is not a number", expected);
         }
         out[static_cast<Eigen::Index>(k)] = in_range(key, value[k].Scalar(), range);
     }
@@ -412,7 +411,7 @@ std::vector<YamlMap> YamlMap::list(const std::string& key) {
         return out;
     }
     if (!value.IsSequence()) {
-        refuse(key, "no list", "a list of '- key: value' entries");
+        refuse(key, "not a list", "a list of '- key: value' entries");
     }
     for (std::size_t i = 0; i < value.size(); ++i) {
         out.push_back(YamlMap(value[i], file_, fmt::format("{}{}[{}].", path_, key, i), described_));

@@ -79,10 +79,9 @@ std::vector<std::string> anonymise(const std::filesystem::path& from, const std:
                                    const std::string& participant) {
     const SessionReader reader(from);
     if (reader.is_being_recorded()) {
-        throw hdf5::Error(
-            fmt::format("{}: a running program is recording into this file; expected is a finished one: end "
-                        "the session first",
-                        from.string()));
+        throw hdf5::Error(fmt::format(
+            "{}: a running program is recording to this file; expected a finished one: end the session first",
+            from.string()));
     }
     const SessionInfo& info = reader.info();
     People people;

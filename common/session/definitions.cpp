@@ -23,12 +23,11 @@ struct TextColumn {
 };
 
 constexpr TextColumn<Definitions::Words> words_columns[] = {
-    {"key", "of the parameter, in summary and metrics; a dot where these have a slash",
-     &Definitions::Words::key},
+    {"key", "of the metric, in summary and metrics; with a dot instead of a slash", &Definitions::Words::key},
     {"unit", "of its value", &Definitions::Words::unit},
-    {"run", "how the run's value follows from those of its attempts", &Definitions::Words::run},
+    {"run", "aggregation of the attempts' values to the run's value", &Definitions::Words::run},
     {"definition", "in words", &Definitions::Words::definition},
-    {"aim", "what to aim at, with its source", &Definitions::Words::aim},
+    {"aim", "target, with its source", &Definitions::Words::aim},
 };
 
 constexpr TextColumn<Definitions::Number> number_columns[] = {
@@ -81,8 +80,7 @@ Definitions current_definitions(double time_limit) {
         here.thresholds.push_back({std::string(threshold.name), threshold.value, std::string(threshold.unit),
                                    std::string(threshold.meaning)});
     }
-    here.thresholds.push_back(
-        {"time_limit", time_limit, "s", "An attempt that takes longer is over the scenario's limit"});
+    here.thresholds.push_back({"time_limit", time_limit, "s", "Longest attempt within the scenario's limit"});
     return here;
 }
 

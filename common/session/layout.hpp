@@ -78,7 +78,7 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         "inputs/step", "1", "number of the simulation step", [](auto& r) -> auto& { return r.step; });
     add(
         "inputs/laryngoscope_pose", "m, 1",
-        "laryngoscope in the hand, as latched: position x y z, unit quaternion w x y z, patient frame",
+        "laryngoscope held by the hand, as latched: position x y z, unit quaternion w x y z, patient frame",
         [](auto& r) -> auto& { return r.laryngoscope; });
     add(
         "inputs/tube_grip_pose", "m, 1",
@@ -86,13 +86,13 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         [](auto& r) -> auto& { return r.tube_grip; });
     add(
         "inputs/eye_pose", "m, 1",
-        "eye of the trainee, as latched: position x y z, unit quaternion w x y z, patient frame; NaN while "
-        "none has arrived",
+        "eye of the trainee, as latched: position x y z, unit quaternion w x y z, patient frame; NaN before "
+        "the first one",
         [](auto& r) -> auto& { return r.eye; });
 
     add(
         "tools/proxy_pose", "m, 1",
-        "laryngoscope as the shell stops it: position x y z, unit quaternion w x y z, patient frame",
+        "laryngoscope as constrained by the shell: position x y z, unit quaternion w x y z, patient frame",
         [](auto& r) -> auto& { return r.proxy; });
     add(
         "tools/shell_force", "N", "force of the shell on the laryngoscope, patient frame",
@@ -114,7 +114,7 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
 
     add(
         "contacts/pressed", "N",
-        "sum of the shell's normal forces on the blade, of each tissue: soft, tongue, epiglottis, larynx, "
+        "sum of the shell's normal forces on the blade, per tissue: soft, tongue, epiglottis, larynx, "
         "trachea, oesophagus, upper gum, lower gum, palate, skull, mandible, spine, hyoid",
         [](auto& r) -> auto& { return r.loads.pressed; });
     add(
@@ -123,9 +123,8 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
         [](auto& r) -> auto& { return r.loads.net; });
     add(
         "contacts/place", "m",
-        "where it touches the blade, mean weighted by force: step, tissue as in pressed, x y z, patient "
-        "frame; "
-        "NaN without contact",
+        "contact position on the blade, force-weighted mean: step, tissue as in pressed, x y z, patient "
+        "frame; NaN without contact",
         [](auto& r) -> auto& { return r.loads.place; });
 
     for (const RuntimeParameterField& field : runtime_parameter_fields) {
@@ -135,11 +134,12 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     }
 
     add(
-        "skeleton/skull_rotation", "1", "turn of the skull from rest: unit quaternion w x y z, patient frame",
+        "skeleton/skull_rotation", "1",
+        "rotation of the skull from rest: unit quaternion w x y z, patient frame",
         [](auto& r) -> auto& { return r.skull_rotation; });
     add(
         "tissue/landmarks", "m",
-        "where the landmarks are: step, landmark as in scene/landmarks/name, x y z, patient frame",
+        "positions of the landmarks: step, landmark as in scene/landmarks/name, x y z, patient frame",
         [](auto& r) -> auto& { return r.landmarks; });
 
     add(
@@ -155,8 +155,8 @@ void step_columns(std::size_t tube_nodes, const Column& column) {
     }
     add(
         "metrics/eye_used", "m",
-        "where the glottis was last looked at from, by the trainee or, without an eye_pose, where it is seen "
-        "best: x y z, patient frame; 30 times a second",
+        "eye position of the last view of the glottis, the trainee's or, without an eye_pose, that of the "
+        "best view: x y z, patient frame; 30 times a second",
         [](auto& r) -> auto& { return r.eye_used; });
     metric_columns("metrics", column);
 }
@@ -168,18 +168,18 @@ void command_columns(const Column& column) {
         "inputs/commands/time_ns", "ns", "simulation time at which the command was latched",
         [](auto& r) -> auto& { return r.time_ns; });
     add(
-        "inputs/commands/step", "1", "step that it applies to first",
+        "inputs/commands/step", "1", "first step to which it applies",
         [](auto& r) -> auto& { return r.step; });
     add(
-        "inputs/commands/kind", "1", "what was asked for", [](auto& r) -> auto& { return r.kind; },
-        kind_bytes);
+        "inputs/commands/kind", "1", "requested value", [](auto& r) -> auto& { return r.kind; }, kind_bytes);
     add(
         "inputs/commands/value", "rad, Pa or 1", "angles in rad, stiffness in Pa, the rest as ratios",
         [](auto& r) -> auto& { return r.value; });
     add(
-        "inputs/commands/sender", "1", "who asked", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
+        "inputs/commands/sender", "1", "sender", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
     add(
-        "inputs/commands/id", "1", "number chosen by the sender", [](auto& r) -> auto& { return r.id; });
+        "inputs/commands/id", "1", "sequence number chosen by the sender",
+        [](auto& r) -> auto& { return r.id; });
 }
 
 template <class Column>
@@ -191,8 +191,8 @@ void state_columns(const Column& column) {
         "state/step", "1", "number of the simulation step", [](auto& r) -> auto& { return r.step; });
     add(
         "state/hash", "1",
-        "FNV-1a over the bits of places and velocities of tissue, tube, proxy and liquid after this step; 16 "
-        "hexadecimal digits",
+        "FNV-1a over the bits of positions and velocities of tissue, tube, proxy and liquid after this step; "
+        "16 hexadecimal digits",
         [](auto& r) -> auto& { return r.hash; }, hash_bytes);
 }
 
@@ -209,11 +209,10 @@ void moved_frames_columns(const Column& column) {
     add(
         "deformation/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
-        "deformation/first_row", "1", "first row in frame, rotation and centre that belongs to this time",
+        "deformation/first_row", "1", "first row of this time in frame, rotation and centre",
         [](auto& r) -> auto& { return r.first_row; });
     add(
-        "deformation/row_count", "1",
-        "number of rows that belong to this time: the frames that moved since the last",
+        "deformation/row_count", "1", "number of rows of this time: the frames that moved since the last",
         [](auto& r) -> auto& { return r.row_count; });
 }
 
@@ -234,7 +233,7 @@ void moved_frame_columns(const Column& column) {
         "unit quaternion w x y z from rest: a rest point x goes to rotation * (x - rest_centre) + centre",
         [](auto& r) -> auto& { return r.pose.rotation; });
     add(
-        "deformation/centre", "m", "where the frame's rest centre is now, patient frame",
+        "deformation/centre", "m", "current position of the frame's rest centre, patient frame",
         [](auto& r) -> auto& { return r.pose.centre; });
 }
 
@@ -251,10 +250,10 @@ void fluid_rows_columns(const Column& column) {
     add(
         "fluid/time_ns", "ns", "simulation time", [](auto& r) -> auto& { return r.time_ns; });
     add(
-        "fluid/first_row", "1", "first row in position that belongs to this time",
+        "fluid/first_row", "1", "first row of this time in position",
         [](auto& r) -> auto& { return r.first_row; });
     add(
-        "fluid/row_count", "1", "number of rows that belong to this time: the liquid's particles",
+        "fluid/row_count", "1", "number of rows of this time: the liquid's particles",
         [](auto& r) -> auto& { return r.row_count; });
 }
 
@@ -266,7 +265,7 @@ struct FluidParticle {
 template <class Column>
 void fluid_columns(const Column& column) {
     column(
-        "fluid/position", hdf5::Label{"m", "a particle of saliva, patient frame"},
+        "fluid/position", hdf5::Label{"m", "position of a particle of saliva, patient frame"},
         [](auto& r) -> auto& { return r.position; }, std::size_t{0});
 }
 
@@ -299,17 +298,15 @@ void annotation_rows_columns(const Column& column) {
     add(
         "annotations/sender", "1", "who", [](auto& r) -> auto& { return r.sender; }, sender_bytes);
     add(
-        "annotations/text", "1", "what stands beside it", [](auto& r) -> auto& { return r.text; },
-        text_bytes);
+        "annotations/text", "1", "its label", [](auto& r) -> auto& { return r.text; }, text_bytes);
     add(
-        "annotations/object", "1", "on what: a surface of scene, or laryngoscope",
+        "annotations/object", "1", "annotated object: a surface of scene, or laryngoscope",
         [](auto& r) -> auto& { return r.object; }, sender_bytes);
     add(
-        "annotations/first_row", "1", "first row in triangle, place and position that belongs to it",
+        "annotations/first_row", "1", "its first row in triangle, place and position",
         [](auto& r) -> auto& { return r.first_row; });
     add(
-        "annotations/row_count", "1", "number of rows that belong to it",
-        [](auto& r) -> auto& { return r.row_count; });
+        "annotations/row_count", "1", "number of its rows", [](auto& r) -> auto& { return r.row_count; });
 }
 
 /// One place of an annotation.
@@ -323,14 +320,14 @@ template <class Column>
 void annotation_place_columns(const Column& column) {
     const auto add = column_adder(column);
     add(
-        "annotations/triangle", "1", "triangle a b c of the object, with which the place goes",
+        "annotations/triangle", "1", "triangle a b c of the object that carries the position",
         [](auto& r) -> auto& { return r.triangle; });
     add(
         "annotations/place", "1, 1, m",
-        "u v height: the place is a + u (b - a) + v (c - a) + height along the triangle's normal",
+        "u v height: the position is a + u (b - a) + v (c - a) + height along the triangle's normal",
         [](auto& r) -> auto& { return r.place; });
     add(
-        "annotations/position", "m", "where the place was at that time, patient frame",
+        "annotations/position", "m", "the position at that time, patient frame",
         [](auto& r) -> auto& { return r.position; });
 }
 
@@ -345,7 +342,7 @@ void summary_columns(const Column& column) {
         "summary/success", "1", "1 if the trachea was intubated",
         [](auto& r) -> auto& { return r.outcome.success; });
     add(
-        "summary/reason", "1", "why it counts as success or failure",
+        "summary/reason", "1", "reason for success or failure",
         [](auto& r) -> auto& { return r.outcome.reason; }, text_bytes);
     add(
         "summary/began", "s", "simulation time at which the attempt began",

@@ -50,8 +50,8 @@ class Columns {
 
 void write_ratings(const Group& root, const std::vector<Rating>& ratings) {
     const Group group = root.create(ratings_group);
-    group.write_texts("rater", texts_of(ratings, &Rating::rater), {"1", "who rated"});
-    group.write_texts("item", texts_of(ratings, &Rating::item), {"1", "what was rated"});
+    group.write_texts("rater", texts_of(ratings, &Rating::rater), {"1", "rater"});
+    group.write_texts("item", texts_of(ratings, &Rating::item), {"1", "rated item"});
     group.write_texts("given", texts_of(ratings, &Rating::given), {"1", "when, UTC"});
     std::vector<std::uint8_t> scores;
     for (const Rating& rating : ratings) {
@@ -73,17 +73,15 @@ void write_answers(const Group& root, const std::vector<Answer>& answers) {
 void require_amendable(const std::filesystem::path& file) {
     const SessionReader reader(file);
     if (reader.is_being_recorded()) {
-        throw hdf5::Error(
-            fmt::format("{}: a running program is recording into this file; expected is a finished one: end "
-                        "the session first",
-                        file.string()));
+        throw hdf5::Error(fmt::format(
+            "{}: a running program is recording to this file; expected a finished one: end the session first",
+            file.string()));
     }
     const auto superblock = read_superblock(file);
     if (reader.rows_in_tail() > 0 || (superblock && superblock->marked_open)) {
         throw hdf5::Error(
-            fmt::format("{}: the program that recorded was killed, and nothing can be added to its file as "
-                        "it is; run first: "
-                        "eti-review check --repair {}",
+            fmt::format("{}: the recording program was killed, and nothing can be added to its file in this "
+                        "state; first run: eti-review check --repair {}",
                         file.string(), file.string()));
     }
 }

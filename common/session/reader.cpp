@@ -34,10 +34,10 @@ hdf5::File open_session(const std::filesystem::path& path, bool live) {
     try {
         return hdf5::File::open(path, live ? hdf5::Access::read_swmr : hdf5::Access::read_orphaned);
     } catch (const hdf5::Error& error) {
-        throw hdf5::Error(fmt::format(
-            "{}. If it is a session file, it is damaged or its recording ended before it had begun; try: "
-            "eti-review check --repair {}",
-            error.what(), path.string()));
+        throw hdf5::Error(
+            fmt::format("{}. If it is a session file, it is damaged or its recording ended before the first "
+                        "step; try: eti-review check --repair {}",
+                        error.what(), path.string()));
     }
 }
 
@@ -145,11 +145,10 @@ void SessionReader::merge_tail(const std::filesystem::path& path) {
     } catch (const hdf5::Error&) {
         // A damaged file is read without its tail.
     } catch (const std::filesystem::filesystem_error& error) {
-        throw hdf5::Error(
-            fmt::format("{}: its newest rows are read from a copy, which cannot be made: {}. Remedy: make "
-                        "room there, or name "
-                        "another folder in TMPDIR, or run: eti-review check --repair {}",
-                        path.string(), error.code().message(), path.string()));
+        throw hdf5::Error(fmt::format(
+            "{}: its newest rows are read from a copy, which cannot be created: {}. Remedy: free some space "
+            "there, or set TMPDIR to another folder, or run: eti-review check --repair {}",
+            path.string(), error.code().message(), path.string()));
     }
 }
 

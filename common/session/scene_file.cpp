@@ -43,7 +43,7 @@ void write_points(const Group& group, const std::vector<PointRecord>& points, bo
         skin.push_back(point.skin);
     }
     if (named) {
-        group.write_texts("name", names, {"1", "what each point is"});
+        group.write_texts("name", names, {"1", "name of each point"});
     }
     write_rows(group, "rest", rest, {"m", "rest position x y z, patient frame"});
     write_skin(group, skin);
@@ -78,10 +78,10 @@ constexpr const char* start_pose = "start_pose";
 void write_start(const Group& group, const RigidTransform& pose) {
     std::array<float, 7> numbers{};
     Cell<RigidTransform>::pack(pose, 0, reinterpret_cast<std::byte*>(numbers.data()));
-    group.write<float>(start_pose, numbers, {numbers.size()},
-                       {"m, 1",
-                        "where the tool was before the first step: position x y z, unit quaternion w x y z, "
-                        "patient frame"});
+    group.write<float>(
+        start_pose, numbers, {numbers.size()},
+        {"m, 1",
+         "pose of the tool before the first step: position x y z, unit quaternion w x y z, patient frame"});
 }
 
 /// Missing in older files.
@@ -149,10 +149,9 @@ void write_scene(const Group& group, const SceneRecord& scene) {
     write_points(group.create("glottis_contour"), scene.glottis_contour, false);
     const Group laryngoscope = group.create("laryngoscope");
     laryngoscope.set_text("blade", scene.blade);
-    laryngoscope.set_text(
-        "tool_frame",
-        "origin where blade and handle meet, +z along the blade to its tip, +y along the handle "
-        "away from the blade, +x = y cross z");
+    laryngoscope.set_text("tool_frame",
+                          "origin at the junction of blade and handle, +z along the blade to its tip, +y "
+                          "along the handle away from the blade, +x = y cross z");
     laryngoscope.set_number(blade_length, static_cast<double>(scene.blade_length));
     write_mesh(laryngoscope, scene.laryngoscope);
     write_start(laryngoscope, scene.laryngoscope_start);

@@ -282,9 +282,8 @@ void SessionWriter::Impl::warn_of_losses() {
         return;
     }
     const std::string text = fmt::format(
-        "{}: {} records were lost because the disk could not follow. Remedy: record to a faster disk, or "
-        "raise the "
-        "number of steps that may wait (waiting_steps, now {}).",
+        "{}: {} records were lost because the disk was too slow. Remedy: record to a faster disk, or raise "
+        "the number of queued steps (waiting_steps, now {}).",
         path.string(), total - lost_reported, settings.waiting_steps);
     lost_reported = total;
     warned_at = now;
@@ -301,11 +300,10 @@ void SessionWriter::Impl::warn_of_deletion() {
     }
     said_deleted = true;
     if (settings.on_error) {
-        settings.on_error(
-            fmt::format("{}: was deleted while it was recorded, and is gone when this program ends. Remedy: "
-                        "before that, run: "
-                        "cp /proc/{}/fd/{} NEW_NAME, then: eti-review check --repair NEW_NAME",
-                        path.string(), ::getpid(), *descriptor));
+        settings.on_error(fmt::format(
+            "{}: was deleted during the recording and will be lost when this program exits. Remedy: before "
+            "that, run: cp /proc/{}/fd/{} NEW_NAME, then: eti-review check --repair NEW_NAME",
+            path.string(), ::getpid(), *descriptor));
     }
 }
 
@@ -321,9 +319,8 @@ void SessionWriter::Impl::fail(const std::string& reason) {
     has_failed = true;
     if (settings.on_error) {
         settings.on_error(
-            fmt::format("{}: recording stopped: {}. What was recorded until then is kept. Remedy: make room "
-                        "on the disk or record "
-                        "elsewhere, then run: eti-review check --repair {}",
+            fmt::format("{}: recording stopped: {}. The recording up to then is kept. Remedy: free some "
+                        "space on the disk or record elsewhere, then run: eti-review check --repair {}",
                         path.string(), reason, path.string()));
     }
 }

@@ -16,7 +16,7 @@ jq -e '.parameters.gum_force_n.max < 10 and .parameters.oesophageal_entries == 0
 }
 if [ -n "${ETI_STATE_HASH:-}" ]; then
     jq -e --arg hash "$ETI_STATE_HASH" '.state_hash == $hash' result.json > /dev/null || {
-        jq -r '"other bits: \(.state_hash), by \(.build)"' result.json >&2
+        jq -r '"different bits: \(.state_hash), by \(.build)"' result.json >&2
         exit 1
     }
 fi

@@ -14,13 +14,13 @@ int main(int argc, char** argv) {
     int number = 0;
     std::string address;
     std::uint16_t port = bus::discovery_port;
-    CommandLine app(
-        "A discovery server: tells programs that name it with --discovery-server who else is there.",
-        "eti-discovery");
+    CommandLine app("A discovery server: lets programs that name it with --discovery-server find each other.",
+                    "eti-discovery");
     app.add_number("--number", number,
-                   "Its place among the --discovery-server that programs are given; 1 is a backup", {0, 255})
+                   "Its position among the --discovery-server options of the programs; 1 is a backup",
+                   {0, 255})
         .capture_default_str();
-    app.add_option("--address", address, "Address of this machine to listen on; without it, all");
+    app.add_option("--address", address, "Address of this machine to listen on; by default all");
     app.add_number("--port", port, "UDP port", {1}).capture_default_str();
     bus::add_domain(app, options);
     return run_program(app, argc, argv, [&] {

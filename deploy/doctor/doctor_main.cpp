@@ -110,9 +110,9 @@ int run(const Options& options) {
         out.update(json_of(report));
         print_json(true, out);
     } else {
-        fmt::print("{}\n", problems == 0   ? "All is well."
-                           : problems == 1 ? "1 thing to mend."
-                                           : fmt::format("{} things to mend.", problems));
+        fmt::print("{}\n", problems == 0   ? "No problems found."
+                           : problems == 1 ? "1 problem to fix."
+                                           : fmt::format("{} problems to fix.", problems));
     }
     return problems == 0 ? 0 : 1;
 }
@@ -124,13 +124,12 @@ int main(int argc, char** argv) {
     using namespace eti;
     doctor::Options options;
     options.bus.name = "eti-doctor";
-    CommandLine app(
-        "Looks at this machine and at a session: what keeps it from running well, and what to do.",
-        "eti-doctor");
-    app.add_number("--duration", options.duration, "How long the session is listened to", {0.5, 3600.0, "s"})
+    CommandLine app("Diagnoses this machine and a session: lists problems and their remedies.", "eti-doctor");
+    app.add_number("--duration", options.duration, "Duration for which the session is observed",
+                   {0.5, 3600.0, "s"})
         .capture_default_str();
     app.add_flag("--json", options.json, "Print everything as one JSON object");
-    app.footer("Exit status: 0 all is well, 1 something needs mending, 2 wrong usage.");
+    app.footer("Exit status: 0 no problems, 1 problems found, 2 wrong usage.");
     bus::add_options(app, options.bus);
     return run_program(app, argc, argv, [&] { return doctor::run(options); });
 }

@@ -61,11 +61,11 @@ std::string try_egl() {
     bind(opengl_api);
     const Pointer context = create(display, nullptr, nullptr, context_of_3_3.data());
     if (context == nullptr || current(display, nullptr, nullptr, context) == 0) {
-        return "-the driver gives no OpenGL 3.3 context";
+        return "-the driver provides no OpenGL 3.3 context";
     }
     const auto get_string = reinterpret_cast<const char* (*)(unsigned)>(address("glGetString"));
     const char* name = get_string != nullptr ? get_string(renderer_name) : nullptr;
-    return name != nullptr ? std::string("+") + name : "-the driver does not say its name";
+    return name != nullptr ? std::string("+") + name : "-the driver does not report its name";
 }
 
 }  // namespace
@@ -110,8 +110,8 @@ Finding diagnose_renderer(const std::string& renderer, const std::string& fault)
                              renderer.find("softpipe") != std::string::npos ||
                              renderer.find("swrast") != std::string::npos;
     if (in_software) {
-        return {"graphics", "EGL", State::info, renderer + ": draws on the processor",
-                "slow for a trainee's view; use a machine with a graphics card, and its driver"};
+        return {"graphics", "EGL", State::info, renderer + ": renders in software",
+                "slow for a trainee's view; use a machine with a graphics card and its driver"};
     }
     return {"graphics", "EGL", State::ok, renderer, ""};
 }
@@ -156,7 +156,7 @@ Finding diagnose_openxr(bool loader, const std::vector<fs::path>& searched) {
         std::ranges::transform(searched, std::back_inserter(names),
                                [](const fs::path& file) { return file.string(); });
         return {"graphics", "OpenXR", State::info,
-                fmt::format("no active runtime; looked at {}", fmt::join(names, ", ")),
+                fmt::format("no active runtime; searched {}", fmt::join(names, ", ")),
                 fmt::format("{}; start the headset's software once, or set XR_RUNTIME_JSON", needed)};
     }
     return {"graphics", "OpenXR", State::ok, fmt::format("runtime {}", found->string()), ""};

@@ -48,7 +48,7 @@ Findings diagnose_shared_memory(const SharedMemory& memory) {
     // Only a custom profile uses shared memory; the programs' own transport is UDP.
     const State serious = memory.used ? State::problem : State::info;
     if (!memory.there) {
-        return {{"memory", "/dev/shm", serious, "is not there",
+        return {{"memory", "/dev/shm", serious, "is missing",
                  "only a --profile with shared memory needs it; mount a tmpfs there, or leave that transport "
                  "out"}};
     }
@@ -57,8 +57,8 @@ Findings diagnose_shared_memory(const SharedMemory& memory) {
     if (memory.free < enough_shared_memory) {
         findings.front().state = serious;
         findings.front().remedy = fmt::format(
-            "a --profile with shared memory needs {} MB: make it larger (mount -o remount,size=256m "
-            "/dev/shm; in a container --shm-size 256m), or free some",
+            "a --profile with shared memory needs {} MB: enlarge it (mount -o remount,size=256m /dev/shm; in "
+            "a container --shm-size 256m), or free some",
             enough_shared_memory >> 20);
     }
     if (memory.stale > 0) {
@@ -77,8 +77,8 @@ Findings real_time_rights() {
             {"rights", "real time", State::ok, fmt::format("priority {} is granted", priority::loop), ""}};
     }
     return {{"rights", "real time", State::problem, refusal.substr(0, refusal.find(": ")),
-             fmt::format("forces may come late under load; put '@haptics - rtprio {}' into "
-                         "/etc/security/limits.d/neoeti.conf and log in anew (docs/install.md)",
+             fmt::format("forces may be late under load; put '@haptics - rtprio {}' into "
+                         "/etc/security/limits.d/neoeti.conf and log in again (docs/install.md)",
                          priority::loop)}};
 }
 
@@ -90,7 +90,7 @@ Findings versions() {
 Findings identity(const bus::Options& options) {
     if (options.identity.empty()) {
         return {{"security", "identity", State::ok,
-                 "none asked for: this session is open to all who reach it", ""}};
+                 "none requested: anyone who can reach this session may join it", ""}};
     }
     const bus::IdentityCheck check =
         bus::check_identity(options.identity, options.session, options.domain, std::time(nullptr));

@@ -83,13 +83,13 @@ Finding diagnose_interface(const Interface& one, bool by_multicast) {
     } else if (one.mtu < least_mtu) {
         finding.state = State::info;
         finding.remedy = fmt::format(
-            "datagrams of the bus have 1400 bytes and headers: {} cuts them, and one lost part loses all; "
-            "raise it: ip link set {} mtu {}",
+            "datagrams of the bus have 1400 bytes plus headers: {} fragments them, and one lost fragment "
+            "loses the datagram; raise it: ip link set {} mtu {}",
             one.name, one.name, common_mtu);
     } else if (!one.loopback && by_multicast && !one.multicast_returns) {
         finding.state = State::info;
         finding.remedy = fmt::format("{}; or name the other machines: --peer ADDRESS",
-                                     one.multicast ? "a firewall may drop it: let UDP to 239.255.0.0/16 pass"
+                                     one.multicast ? "a firewall may block it: allow UDP to 239.255.0.0/16"
                                                    : fmt::format("ip link set {} multicast on", one.name));
     }
     return finding;
@@ -137,12 +137,12 @@ Findings diagnose_interfaces(const std::vector<Interface>& all, bool reaches_net
     }
     if (std::ranges::none_of(all, [](const Interface& one) { return one.up && one.loopback; })) {
         findings.push_back({"network", "loopback", State::problem, "no loopback interface is up",
-                            "programs of this machine do not meet; run: ip link set lo up"});
+                            "programs on this machine do not find each other; run: ip link set lo up"});
     }
     const auto is_outer = [](const Interface& one) { return one.up && !one.loopback; };
     if (reaches_network && std::ranges::none_of(all, is_outer)) {
         findings.push_back({"network", "others", State::problem, "no interface to other machines is up",
-                            "plug in a cable or bring one up (ip link), or leave --network and --peer out"});
+                            "plug in a cable or bring one up (ip link), or omit --network and --peer"});
     } else if (reaches_network && by_multicast && std::ranges::none_of(all, [&](const Interface& one) {
                    return is_outer(one) && one.multicast_returns;
                })) {
@@ -160,14 +160,15 @@ SocketBuffers socket_buffers() {
 Findings diagnose_buffers(const SocketBuffers& buffers) {
     Findings findings;
     const auto add = [&](const char* name, const char* key, long bytes) {
-        Finding finding{"buffers", name, State::ok, fmt::format("{} kB a socket at most", bytes / 1024), ""};
+        Finding finding{"buffers", name, State::ok, fmt::format("at most {} kB per socket", bytes / 1024),
+                        ""};
         if (bytes < 0) {
             finding.state = State::info;
-            finding.text = "the kernel does not say how much a socket may have";
+            finding.text = "the kernel does not report the largest socket buffer";
             finding.remedy = fmt::format("see {}, outside a container", key);
         } else if (bytes < wanted_buffer) {
             finding.state = State::problem;
-            finding.remedy = fmt::format("bursts are lost that {} kB hold; run: sysctl -w {}={}",
+            finding.remedy = fmt::format("bursts that need {} kB are lost; run: sysctl -w {}={}",
                                          wanted_buffer / 1024, key, wanted_buffer);
         }
         findings.push_back(finding);

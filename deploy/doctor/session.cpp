@@ -49,18 +49,16 @@ Finding diagnose_peer(const PeerReport& peer) {
     const std::string who = fmt::format("{} {} version {}", peer.name, peer.process, peer.version);
     if (peer.protocol != bus::protocol) {
         finding.state = State::problem;
-        finding.text =
-            fmt::format("{} speaks protocol {}, this program {}", who, peer.protocol, bus::protocol);
-        finding.remedy =
-            "they do not understand each other; run programs of the same version on all machines";
+        finding.text = fmt::format("{} uses protocol {}, this program {}", who, peer.protocol, bus::protocol);
+        finding.remedy = "they are incompatible; run programs of the same version on all machines";
         return finding;
     }
     if (peer.round_trips_ms.empty()) {
         finding.state = State::problem;
-        finding.text = fmt::format("{} is announced, but answers nothing", who);
+        finding.text = fmt::format("{} is announced, but does not answer", who);
         finding.remedy =
-            "it was started with other network options than this program, it hangs, or a firewall lets UDP "
-            "from 7400 on through one way alone (docs/network.md)";
+            "it was started with other network options than this program, it hangs, or a firewall passes UDP "
+            "from port 7400 on in one direction only (docs/network.md)";
         return finding;
     }
     finding.text = fmt::format(
@@ -71,12 +69,11 @@ Finding diagnose_peer(const PeerReport& peer) {
     if (median > slow_ms) {
         finding.state = State::problem;
         finding.remedy = fmt::format(
-            "a hand feels what is later than {} ms; use a cable, a nearer machine, or a less "
-            "busy one",
-            slow_ms);
+            "delays above {} ms can be felt; use a cable, a nearer machine, or a less busy one", slow_ms);
     } else if (std::abs(peer.clock_offset_ms) > clock_ms + peer.error_ms) {
         finding.state = State::info;
-        finding.remedy = "the ages of pictures and messages are told by clocks; run chrony on both machines";
+        finding.remedy =
+            "ages of pictures and messages depend on synchronised clocks; run chrony on both machines";
     }
     return finding;
 }
@@ -162,22 +159,22 @@ SessionReport observe(const bus::Options& options, std::chrono::duration<double>
 Findings diagnose_session(const SessionReport& report, const bus::Options& options) {
     Findings findings;
     if (report.contested) {
-        findings.push_back(
-            {"session", options.session, State::problem, "two programs write this session's status",
-             "nobody's forces are to be believed; stop one of them, or keep strangers out with "
-             "--identity (docs/security.md)"});
+        findings.push_back({"session", options.session, State::problem,
+                            "two programs write this session's status",
+                            "forces are not reliable; stop one of them, or restrict access with --identity "
+                            "(docs/security.md)"});
     }
     if (report.server) {
         findings.push_back({"session", options.session, State::ok,
-                            fmt::format("a server runs it; {} programs met", report.peers.size()), ""});
+                            fmt::format("a server runs it; {} programs found", report.peers.size()), ""});
     } else {
         const auto [finding, remedy] = bus::explain_missing_server(options);
         findings.push_back({"session", options.session, State::problem, finding, remedy});
     }
     if (!report.server && !report.elsewhere.empty()) {
         findings.push_back({"session", "others", State::info,
-                            fmt::format("on this domain there is '{}'", fmt::join(report.elsewhere, "', '")),
-                            "is that the --session meant?"});
+                            fmt::format("this domain has session '{}'", fmt::join(report.elsewhere, "', '")),
+                            "is that the intended --session?"});
     }
     for (const PeerReport& peer : report.peers) {
         findings.push_back(diagnose_peer(peer));
@@ -189,12 +186,13 @@ Findings diagnose_session(const SessionReport& report, const bus::Options& optio
                         ""};
         if (topic.arrived == 0) {
             finding.state = State::info;
-            finding.text = "nothing came";
-            finding.remedy = "the session may be waiting for its devices; else look at the server's log";
+            finding.text = "no messages";
+            finding.remedy = "the session may be waiting for its devices; otherwise check the server's log";
         } else if (topic.lost_percent > lossy_percent) {
             finding.state = State::problem;
             finding.remedy =
-                "larger socket buffers (above), a cable instead of radio, or fewer observers on this link";
+                "use larger socket buffers (above), a cable instead of wireless, or fewer observers on this "
+                "link";
         }
         findings.push_back(finding);
     }

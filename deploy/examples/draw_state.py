@@ -87,14 +87,14 @@ def main(folder, picture):
     for number, (name, colour) in TISSUES.items():
         own = particles.points[slice_ & (tissue == number)]
         cut.scatter(1e3 * own[:, 1], 1e3 * own[:, 2], s=5, color=colour, label=f"{name} ({(tissue == number).sum()})")
-    cut.set_title(f"cut in the middle: surfaces, and particles within {1e3 * HALF_SLICE:.1f} mm, by tissue", fontsize=9)
+    cut.set_title(f"midline section: surfaces, and particles within {1e3 * HALF_SLICE:.1f} mm, by tissue", fontsize=9)
     cut.legend(fontsize=7, loc="lower right", title="particles, of all", title_fontsize=7)
     for axes in (side, cut):
         axes.set_aspect("equal")
-        axes.set_xlabel("to the back [mm]")
+        axes.set_xlabel("posterior [mm]")
     low, high = 1e3 * surfaces.points[:, 1:].min(axis=0) - 5, 1e3 * surfaces.points[:, 1:].max(axis=0) + 5
     side.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    side.set_ylabel("to the top of the head [mm]")
+    side.set_ylabel("superior [mm]")
     figure.suptitle(f"One state at {surfaces.time_ns / 1e9:.2f} s, read by another vendor's DDS", fontsize=10)
     figure.tight_layout()
     figure.savefig(picture, dpi=110, metadata={"Software": None})

@@ -109,5 +109,5 @@ void wait_for_reader(dds_entity_t writer) {
         }
         dds_sleepfor(DDS_MSECS(100));
     }
-    give_up("nobody reads within a minute", nobody);
+    give_up("no reader within a minute", nobody);
 }

@@ -42,7 +42,8 @@ static struct arguments parse(int count, char** words) {
                 "                      [--only-surfaces | --only-particles]\n"
                 "Reads for S seconds (2) after the first whole state, then writes the last one to\n"
                 "DIR/surfaces.vtk and DIR/particles.vtk.\n"
-                "  --network  not over loopback but as CYCLONEDDS_URI says; the server then runs with\n"
+                "  --network  use the network of CYCLONEDDS_URI instead of loopback; the server then runs "
+                "with\n"
                 "             --network, too\n");
             exit(strcmp(words[i], "--help") ? 2 : 0);
         }
@@ -106,7 +107,7 @@ int main(int count, char** words) {
         }
         if (!began && dds_time() > patience) {
             give_up(
-                "no whole state within a minute",
+                "no complete state within a minute",
                 "is a server of this --session, --domain and protocol running on this machine? Elsewhere: "
                 "--network on both sides");
         }
@@ -119,7 +120,7 @@ int main(int count, char** words) {
         report("eti/particle_state", &whole->particles, a.seconds);
     }
     if ((a.surfaces && !write_surfaces(whole, a.out)) || (a.particles && !write_particles(whole, a.out))) {
-        give_up("cannot write the state", "give with --out a folder that exists and has room");
+        give_up("cannot write the state", "give an existing folder with enough space with --out");
     }
     whole_state_free(whole);
     return 0;

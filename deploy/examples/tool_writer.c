@@ -39,11 +39,11 @@ static struct arguments parse(int count, char** words) {
                 "Usage: tool_writer [--session NAME] [--domain N] [--seconds S] [--at X Y Z] [--set NAME "
                 "VALUE]\n"
                 "                   [--network]\n"
-                "Holds the laryngoscope at X Y Z [m] for S seconds (2), patient frame, not turned. --set "
-                "asks for\n"
-                "a value of what lives, in SI units, and is waited for until it is answered. --network: not "
+                "Holds the laryngoscope at X Y Z [m] for S seconds (2), patient frame, without rotation. "
+                "--set requests\n"
+                "a value of a runtime parameter in SI units and waits for the answer. --network: instead of "
                 "over\n"
-                "loopback but as CYCLONEDDS_URI says.\n");
+                "loopback, use the network of CYCLONEDDS_URI.\n");
             exit(strcmp(words[i], "--help") ? 2 : 0);
         }
     }

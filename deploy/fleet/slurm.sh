@@ -16,7 +16,7 @@ set -euo pipefail
 : "${SLURM_ARRAY_TASK_ID:?is not set: start this with sbatch --array=0-N}"
 : "${SLURM_ARRAY_TASK_COUNT:?is not set: start this with sbatch --array=0-N}"
 if [ "${SLURM_ARRAY_TASK_MIN:-0}" -ne 0 ] || [ "${SLURM_ARRAY_TASK_STEP:-1}" -ne 1 ]; then
-    echo "slurm.sh: shards are counted from 0 by 1: --array=0-$((SLURM_ARRAY_TASK_COUNT - 1))" >&2
+    echo "slurm.sh: shards are numbered consecutively from 0: --array=0-$((SLURM_ARRAY_TASK_COUNT - 1))" >&2
     exit 2
 fi
 exec "${ETI_BENCH:-eti-bench}" --threads "${SLURM_CPUS_PER_TASK:-1}" "$@" \

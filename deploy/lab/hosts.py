@@ -44,7 +44,7 @@ def why_impossible(bin_folder=None):
     tried = subprocess.run(["unshare", "--net", "--mount", "--uts", "sh", "-c", "mount -t tmpfs tmpfs /dev/shm"],
                            capture_output=True, text=True)
     if tried.returncode != 0:
-        return f"no namespaces are allowed here ({tried.stderr.strip()}): a container needs CAP_SYS_ADMIN"
+        return f"network namespaces are not permitted here ({tried.stderr.strip()}): a container needs CAP_SYS_ADMIN"
     return None
 
 
@@ -62,7 +62,7 @@ class Host:
         self.process = _popen(["unshare", "--net", "--mount", "--uts", "sh", "-c", SETUP, "sh", name],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         if self.process.stdout.readline().strip() != "ready":
-            raise LabError(f"host {name} could not be made: {self.process.communicate()[1].strip()}; "
+            raise LabError(f"cannot create host {name}: {self.process.communicate()[1].strip()}; "
                            f"{why_impossible() or 'see above'}")
 
     @property
@@ -142,7 +142,7 @@ class Medium:
                                "--rate", rate, "--seed", seed, *([] if multicast else ["--no-multicast"]), *ports],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         if self.process.stdout.readline().strip() != "up":
-            raise LabError(f"the medium could not be made: {self.process.communicate()[1].strip()}")
+            raise LabError(f"cannot create the medium: {self.process.communicate()[1].strip()}")
         for number, host in enumerate(hosts, 1):
             host.configure(interface, f"{subnet}.{number}")
 

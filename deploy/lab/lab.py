@@ -102,7 +102,7 @@ class Lab(session_run.Session):
         """Creates the lab's identities and sends each host its own."""
         script = ROOT / "deploy/security/make_lab.sh"
         if not script.exists():
-            raise LabError(f"--security: {script} is not there, which makes the lab's identities")
+            raise LabError(f"--security: {script} is not there, which creates the lab's identities")
         folder = self.folder / "security"
         wanted = [word for role in self.programs for word in ("--role", f"{IDENTITY[role]}:{role}")]
         subprocess.run([script, "--out", folder, "--session", self.name, *wanted], check=True,
@@ -194,7 +194,7 @@ def lines_of(seen):
             parts += [f"{said['frames']} frames", f"states missed {said['states_missed']}",
                       f"age {said['state_age_ms']['mean']:.1f} ms, at most {said['state_age_ms']['max']:.0f}"]
         if "stale_share" in said:
-            parts += [f"forces whole {100 * (1 - said['stale_share']):.1f} % of the time",
+            parts += [f"full forces {100 *  (1 - said['stale_share']):.1f} % of the time",
                       f"at most {said['force_n']['max']:.1f} N"]
         if "step_ms" in said and said.get("steps"):
             parts += [f"{said['steps']} steps",
@@ -208,28 +208,28 @@ def lines_of(seen):
 
 def parse():
     parser = argparse.ArgumentParser(prog="deploy/lab.sh", description=__doc__)
-    link = parser.add_argument_group("what lies between the hosts (of namespaces)")
-    link.add_argument("--delay", type=float, default=0.0, metavar="MS", help="one way")
-    link.add_argument("--jitter", type=float, default=0.0, metavar="MS", help="added, evenly from 0")
-    link.add_argument("--loss", type=float, default=0.0, metavar="PCT", help="of frames, each for itself")
-    link.add_argument("--rate", type=float, default=0.0, metavar="MBIT", help="of each host each way; 0: no limit")
-    link.add_argument("--no-multicast", action="store_true", help="multicast does not pass")
-    link.add_argument("--seed", type=int, default=1, help="of what gets lost (default: %(default)s)")
+    link = parser.add_argument_group("medium between the hosts (network namespaces)")
+    link.add_argument("--delay", type=float, default=0.0, metavar="MS", help="one-way delay")
+    link.add_argument("--jitter", type=float, default=0.0, metavar="MS", help="additional delay, uniform from 0")
+    link.add_argument("--loss", type=float, default=0.0, metavar="PCT", help="share of frames lost, independently")
+    link.add_argument("--rate", type=float, default=0.0, metavar="MBIT", help="rate of each host in each direction; 0: no limit")
+    link.add_argument("--no-multicast", action="store_true", help="drop multicast")
+    link.add_argument("--seed", type=int, default=1, help="seed of the losses (default: %(default)s)")
     parser.add_argument("--meet", choices=MEETINGS, help="how programs find each other (default: by a discovery "
                         "server; with --security by multicast, or by peers where it does not pass)")
     parser.add_argument("--discovery-servers", type=int, choices=(1, 2), default=1, help="the second is a backup")
-    parser.add_argument("--security", action="store_true", help="encrypted, every role with an identity of its own")
+    parser.add_argument("--security", action="store_true", help="encrypt; every role has its own identity")
     parser.add_argument("--hosts", type=Path, metavar="FILE", help="on real machines over ssh; lines 'ROLE MACHINE', "
                         f"roles: {', '.join(ROLES)}")
     parser.add_argument("--bin-there", type=Path, metavar="DIR", help="folder of the programs on those machines")
-    parser.add_argument("--duration", type=float, metavar="S", help="of simulation time at most, from when all clients have the scene")
+    parser.add_argument("--duration", type=float, metavar="S", help="longest simulation time after all clients have the scene")
     parser.add_argument("--scenario", default="term")
     parser.add_argument("--operator", default="expert")
-    parser.add_argument("--pictures", action="store_true", help="clients also draw pictures and video all along")
-    parser.add_argument("--out", type=Path, default=ROOT / "out/lab", help="where logs and record go, in a folder of "
+    parser.add_argument("--pictures", action="store_true", help="clients also write pictures and a video")
+    parser.add_argument("--out", type=Path, default=ROOT / "out/lab", help="folder for logs and session file, in a subfolder of "
                         "their own (default: out/lab)")
     parser.add_argument("--domain", type=int, default=0, metavar="N")
-    parser.add_argument("--json", action="store_true", help="print what was seen as one JSON object")
+    parser.add_argument("--json", action="store_true", help="print the results as one JSON object")
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
     options = parser.parse_args()
     options.bin, options.out = options.bin.absolute(), options.out.absolute()
@@ -241,10 +241,10 @@ def parse():
         parser.error("--security with --meet discovery: no identity is made for the discovery server; "
                      "give --meet multicast or --meet peers")
     if options.no_multicast and options.meet == "multicast":
-        parser.error("--no-multicast with --meet multicast: nobody would meet; give --meet discovery or --meet peers")
+        parser.error("--no-multicast with --meet multicast: programs would not find each other; give --meet discovery or --meet peers")
     if options.hosts and any((options.delay, options.jitter, options.loss, options.rate, options.no_multicast)):
-        parser.error("--hosts with --delay, --jitter, --loss, --rate or --no-multicast: real machines have the network "
-                     "that they have")
+        parser.error("--hosts with --delay, --jitter, --loss, --rate or --no-multicast: these apply to simulated networks " 
+                     "only")
     return options
 
 
@@ -256,12 +256,12 @@ def main():
     folder = options.out / f"lab-{os.getpid()}"
     session_run.prepare_folder(folder)
     lab = Lab(options, folder)
-    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "asked to end"), (signal.SIGHUP, "hung up")):
+    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated"), (signal.SIGHUP, "hung up")):
         signal.signal(number, lambda *_, why=why: lab.stop(why))
     late = []
     try:
         lab.start()
-        lab.say(f"Lab {lab.name}: {', '.join(lab.hosts)}; found by {options.meet}; {options.delay:g} ms, "
+        lab.say(f"Lab {lab.name}: {', '.join(lab.hosts)}; discovery by {options.meet}; {options.delay:g} ms, "
                 f"{options.loss:g} % lost{', secured' if options.security else ''}.")
         lab.watch()
         late = lab.finish()

@@ -139,20 +139,21 @@ nlohmann::json report(const std::vector<Host>& hosts, const Medium& medium) {
 
 int main(int argc, char** argv) {
     eti::CommandLine app(
-        "Joins network namespaces by a medium with delay and loss, until SIGTERM; then prints what passed, "
-        "as JSON.\n"
-        "Between two hosts counts the worse value of the two. Says 'up' when every interface is there.",
+        "Connects network namespaces through a medium with delay and loss until SIGTERM; then prints "
+        "statistics as JSON.\n"
+        "Between two hosts the worse of their values applies. Prints 'up' when all interfaces exist.",
         "eti-lab-link");
     Numbers common;
     bool no_multicast = false;
     std::uint64_t seed = 1;
     std::vector<std::string> texts;
-    app.add_number("--delay", common.delay_ms, "One way", {0.0, 10e3, "ms"});
-    app.add_number("--jitter", common.jitter_ms, "Added, evenly from 0", {0.0, 10e3, "ms"});
-    app.add_number("--loss", common.loss_percent, "Of frames", {0.0, 100.0, "%"});
-    app.add_number("--rate", common.rate_mbit, "Of each host each way; 0: no limit", {0.0, 1e6, "Mbit/s"});
-    app.add_flag("--no-multicast", no_multicast, "Multicast does not pass");
-    app.add_number("--seed", seed, "Of what gets lost", {0}).capture_default_str();
+    app.add_number("--delay", common.delay_ms, "One-way delay", {0.0, 10e3, "ms"});
+    app.add_number("--jitter", common.jitter_ms, "Additional delay, uniform from 0", {0.0, 10e3, "ms"});
+    app.add_number("--loss", common.loss_percent, "Share of lost frames", {0.0, 100.0, "%"});
+    app.add_number("--rate", common.rate_mbit, "Rate of each host in each direction; 0: no limit",
+                   {0.0, 1e6, "Mbit/s"});
+    app.add_flag("--no-multicast", no_multicast, "Drop multicast");
+    app.add_number("--seed", seed, "Seed of the losses", {0}).capture_default_str();
     app.add_option("host", texts,
                    "NAME=NAMESPACE[,interface=eth0][,delay=MS][,jitter=MS][,loss=PCT][,rate=MBIT]; "
                    "NAMESPACE: /proc/PID/ns/net or /run/netns/NAME")

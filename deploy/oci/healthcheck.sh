@@ -11,7 +11,7 @@ process=${1:-1}
 left=${2:-10}
 slept() { sed -n 's/^voluntary_ctxt_switches:[[:space:]]*//p' "/proc/$process/status"; }
 written() { sed -n 's/^wchar: //p' "/proc/$process/io"; }
-gone() { echo "process $process is not there"; exit 1; }
+gone() { echo "process $process is not running"; exit 1; }
 
 sleeps=$(slept 2>/dev/null) && text=$(written 2>/dev/null) && [ -n "$sleeps" ] && [ -n "$text" ] || gone
 while [ "$left" -gt 0 ]; do
@@ -23,5 +23,5 @@ while [ "$left" -gt 0 ]; do
     [ "$now" = "$text" ] || exit 0
     left=$((left - 1))
 done
-echo "process $process makes no steps"
+echo "process $process is not stepping"
 exit 1

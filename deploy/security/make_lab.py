@@ -186,13 +186,13 @@ def day(text):
     try:
         return datetime.strptime(text, "%Y-%m-%d").replace(tzinfo=timezone.utc)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}': expected a date as 2025-01-31") from None
+        raise argparse.ArgumentTypeError(f"'{text}': expected a date such as 2025-01-31") from None
 
 
 def domain_range(text):
     first, _, last = text.partition("-")
     if not first.isdigit() or not (last or first).isdigit() or not int(first) <= int(last or first) <= 232:
-        raise argparse.ArgumentTypeError(f"'{text}': expected a domain from 0 to 232, or a range as 0-9")
+        raise argparse.ArgumentTypeError(f"'{text}': expected a domain from 0 to 232, or a range such as 0-9")
     return int(first), int(last or first)
 
 
@@ -208,14 +208,14 @@ def parse(arguments):
         epilog="roles:\n" + "\n".join(f"  {role:<14}{text}" for role, text in roles.DOES.items()))
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the lab's folder")
     parser.add_argument("--role", action="append", default=[], metavar="ROLE[:NAME]",
-                        help="an identity in DIR/NAME; may be given several times; without it one of each role")
-    parser.add_argument("--days", type=positive, default=365, metavar="N", help="how long identities are valid (365)")
-    parser.add_argument("--from", type=day, dest="begin", metavar="DATE", help="first day they are valid (yesterday)")
+                        help="an identity in DIR/NAME; may be repeated; by default one of each role")
+    parser.add_argument("--days", type=positive, default=365, metavar="N", help="validity of the identities (365)")
+    parser.add_argument("--from", type=day, dest="begin", metavar="DATE", help="first day of validity (yesterday)")
     parser.add_argument("--session", action="append", default=[], metavar="NAME",
-                        help="a session they may join; may be given several times; without it every one")
+                        help="a session they may join; may be repeated; by default all")
     parser.add_argument("--domain", type=domain_range, default=(0, 232), metavar="N[-N]",
                         help="domains that they may join (0-232)")
-    parser.add_argument("--renew", action="store_true", help="make identities that are there anew, with new keys")
+    parser.add_argument("--renew", action="store_true", help="replace existing identities, with new keys")
     options = parser.parse_args(arguments)
     for session in options.session:
         if not NAME.fullmatch(session):
@@ -228,16 +228,16 @@ def main(arguments=None):
     try:
         wanted = [role_and_name(text) for text in options.role or roles.WRITES]
         if len({name for _, name in wanted}) < len(wanted):
-            raise LabError("--role: two identities of one name; give each its own, as --role observer:observer-2")
+            raise LabError("--role: two identities with the same name; name each, as in --role observer:observer-2")
         begin = options.begin or datetime.now(timezone.utc) - SLACK
         lab = Lab(options.out)
         new = lab.make_authorities(begin)
-        print(f"{'New' if new else 'Known'} authorities '{lab.authority_name()}' in {lab.own}: keep this folder apart and "
+        print(f"{'New' if new else 'Known'} authorities '{lab.authority_name()}' in {lab.own}: keep this folder in a safe place and " 
               "secret; no program needs it.")
         for role, name in wanted:
             place = lab.folder / name
             if place.exists() and not options.renew:
-                print(f"{place}: kept as it is (--renew makes it anew)")
+                print(f"{place}: kept (--renew replaces it)")
                 continue
             lab.make_identity(role, name, begin, begin + timedelta(days=options.days), options.session, options.domain)
             print(f"{place}: {role}, valid until {begin + timedelta(days=options.days):%Y-%m-%d}")

@@ -25,12 +25,12 @@ WRITES = {
 }
 DOES = {
     "server": "simulates, judges, records",
-    "trainee": "the trainee's client: gives commands, says where the eye is",
-    "hands": "the same where mouse and keys hold the tools (eti-client --hands)",
-    "instructor": "gives commands, leaves remarks",
+    "trainee": "the trainee's client: sends commands, publishes the eye position",
+    "hands": "the same, with tools controlled by mouse and keys (eti-client --hands)",
+    "instructor": "sends commands, adds remarks",
     "laryngoscope": "the device that holds the laryngoscope",
     "tube": "the device or tracker that holds the tube",
-    "observer": "watches, leaves remarks",
+    "observer": "watches, adds remarks",
 }
 
 

@@ -80,7 +80,7 @@ Sampling open(const CalibrateOptions& options) {
 void explain(Sampling& sampling) {
     const std::string fault = sampling.watch().fault();
     if (sampling.watch().health().lost && !fault.empty()) {
-        spdlog::warn("the device is lost: {}", fault);
+        spdlog::warn("connection to the device lost: {}", fault);
     }
 }
 
@@ -108,7 +108,7 @@ std::vector<PointPair> touch_all(const CalibrateOptions& options, const Eigen::V
     std::vector<PointPair> pairs = load_points(options.points, false);
     Sampling sampling = open(options);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        std::cerr << fmt::format("{}/{}  rest the tip on '{}' and press Enter: ", i + 1, pairs.size(),
+        std::cerr << fmt::format("{}/{}  place the tip on '{}' and press Enter: ", i + 1, pairs.size(),
                                  pairs[i].name)
                   << std::flush;
         std::string line;
@@ -144,17 +144,17 @@ int conclude(const CalibrateOptions& options, Calibration out, const std::vector
                           {"residual_mm", 1e3 * fit.residual[i]},
                           {"used", static_cast<bool>(fit.used[i])}});
         if (!fit.used[i]) {
-            spdlog::warn("point '{}' misses by {:.1f} mm and was left out; touch it again if you can",
+            spdlog::warn("point '{}' deviates by {:.1f} mm and was excluded; touch it again if possible",
                          pairs[i].name, 1e3 * fit.residual[i]);
         }
     }
     if (!fit.advice.empty()) {
-        spdlog::warn("to do better, {}", fit.advice);
+        spdlog::warn("to improve the result, {}", fit.advice);
     }
     if (fit.handedness_ambiguous) {
         spdlog::warn(
-            "the points lie in one plane, so a device whose axes are mirrored would fit as well; touch more "
-            "points, {:.0f} mm or more off it",
+            "the points lie in one plane, so a device with mirrored axes would fit as well; touch more "
+            "points, {:.0f} mm or more out of it",
             3e3 * FitSettings().outlier);
     }
     save_calibration(out, options.out);
@@ -202,7 +202,8 @@ int register_simulated(const CalibrateOptions& options) {
 std::vector<Eigen::Isometry3d> swing(const CalibrateOptions& options) {
     Sampling sampling = open(options);
     std::vector<Eigen::Isometry3d> poses;
-    spdlog::info("rest the tip in a dimple and swing the handle to all sides for {:.0f} s", options.seconds);
+    spdlog::info("place the tip in a dimple and swing the handle in all directions for {:.0f} s",
+                 options.seconds);
     Reading reading;
     ProgressBar bar;
     for (double left = options.seconds; left > 0.0; left -= 1e-3 * static_cast<double>(poll.count())) {
@@ -285,41 +286,46 @@ int simulate(const CalibrateOptions& options) {
 int main(int argc, char** argv) {
     using namespace eti::devices;
     CalibrateOptions options;
-    eti::CommandLine app("Finds where a device stands to the patient, and where a tool's tip is on it.",
-                         "eti-calibrate");
+    eti::CommandLine app(
+        "Calibrates the pose of a device relative to the patient, and the position of a tool's tip on it.",
+        "eti-calibrate");
     app.require_subcommand(1);
     const auto common = [&](eti::CommandLine command) {
         add_device_options(command, options.device, DeviceRole::tool);
-        command.add_option("--tool", options.tool, "What the device holds")
+        command.add_option("--tool", options.tool, "Tool that the device holds")
             .capture_default_str()
             .one_of({"laryngoscope", "tube"});
-        command.add_option("--blade", options.blade, "Of the laryngoscope")
+        command.add_option("--blade", options.blade, "Blade size of the laryngoscope")
             .capture_default_str()
             .one_of({"miller_0", "miller_1"});
-        command.add_option("--out", options.out, "File for the result").capture_default_str();
+        command.add_option("--out", options.out, "File to write").capture_default_str();
         command.add_flag("--json", options.json, "Print one JSON object");
     };
-    eti::CommandLine points = app.add_subcommand("register", "Touch points whose places are known");
+    eti::CommandLine points =
+        app.add_subcommand("register", "Register by touching points with known positions");
     common(points);
-    points.add_option("--points", options.points, "Their places, by name or path (board: the printed board)")
+    points
+        .add_option("--points", options.points,
+                    "Positions of the points, by name or path (board: the printed board)")
         .capture_default_str();
-    points.add_option("--pairs", options.pairs, "Points measured before, instead of touching them now");
+    points.add_option("--pairs", options.pairs, "Points measured earlier, instead of touching them now");
     points.add_option("--pivot", options.pivot,
-                      "Result of 'pivot': touch with the tool's tip, not the device's");
-    eti::CommandLine turn = app.add_subcommand("pivot", "Swing the tool about its resting tip");
+                      "Result of 'pivot', to touch with the tool's tip instead of the device's");
+    eti::CommandLine turn = app.add_subcommand("pivot", "Locate the tip by swinging the tool about it");
     common(turn);
     turn.add_option("--poses", options.poses,
-                    "Poses measured before: x y z [mm] and quaternion w x y z a line");
-    turn.add_number("--seconds", options.seconds, "How long to swing", {1.0, 600.0, "s"})
+                    "Poses measured earlier: x y z [mm] and quaternion w x y z per line");
+    turn.add_number("--seconds", options.seconds, "Duration of the swing", {1.0, 600.0, "s"})
         .capture_default_str();
     eti::CommandLine trial =
-        app.add_subcommand("simulate", "What error to expect of each device, by seeded trials");
-    trial.add_option("--points", options.points, "Places to touch, by name or path");
-    trial.add_number("--trials", options.trials, "Of each device", {1, 1000000}).capture_default_str();
-    trial.add_number("--seed", options.seed, "Of what is random", {0}).capture_default_str();
+        app.add_subcommand("simulate", "Predict the error of each device by seeded trials");
+    trial.add_option("--points", options.points, "Points to touch, by name or path");
+    trial.add_number("--trials", options.trials, "Number of trials per device", {1, 1000000})
+        .capture_default_str();
+    trial.add_number("--seed", options.seed, "Seed of the trials", {0}).capture_default_str();
     trial
         .add_option("--device", options.device.device,
-                    "Instead of a table: the calibration that one such trial gives this simulated device")
+                    "Instead of a table, write the calibration of one trial for this simulated device")
         .one_of({"simulated", "scripted"});
     trial.add_option("--out", options.out, "File for that calibration").capture_default_str();
     trial.add_flag("--json", options.json, "Print the result as JSON");

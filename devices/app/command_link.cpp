@@ -33,7 +33,7 @@ CommandLink::CommandLink(const bus::Options& options)
 
 void CommandLink::send(const PadCommand& command) {
     if (!commands_.send(command.name, command.value)) {
-        spdlog::warn("a command could not be sent: no server takes it");
+        spdlog::warn("cannot send a command: no server accepts commands");
     }
 }
 
@@ -55,7 +55,7 @@ void CommandLink::poll() {
         if (keys_) {
             description_ = description;
         } else {
-            spdlog::warn("the session's description cannot be right: {}", why);
+            spdlog::warn("invalid description of the session: {}", why);
         }
     }
     msg::LiveMetrics live;

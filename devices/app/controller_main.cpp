@@ -46,8 +46,8 @@ class Controller {
             link_.poll();
             if (link_.has_server() != served_) {
                 served_ = !served_;
-                served_ ? spdlog::info("a server takes commands")
-                        : spdlog::warn("no server takes commands any more");
+                served_ ? spdlog::info("a server accepts commands")
+                        : spdlog::warn("no server accepts commands any more");
                 pad_.resend_held_inputs();
             }
             // Without a server a command would be lost silently: held inputs are sent when a server appears.
@@ -64,7 +64,7 @@ class Controller {
             }
             if (watch_.health().lost != lost) {
                 lost = !lost;
-                lost ? spdlog::warn("device '{}' is lost: {}", options_.device, watch_.fault())
+                lost ? spdlog::warn("device '{}' lost: {}", options_.device, watch_.fault())
                      : spdlog::info("device '{}' is back", options_.device);
             }
             if (stop_requested()) {
@@ -140,7 +140,7 @@ nlohmann::ordered_json note_once(const ProgramOptions& options, const std::strin
     note.text(text);
     const bool received = notes.publish(note) && notes.wait_until_received(final_answer_timeout);
     return {{"session", options.bus.session},
-            {"ended", received ? "noted" : "the server did not take the note"}};
+            {"ended", received ? "noted" : "the server did not accept the note"}};
 }
 
 /// Sends the typed commands and waits for the answers.
@@ -186,7 +186,7 @@ int run(const ProgramOptions& options, const Once& once, const std::string& rema
     if (options.device.empty() && once.typed.empty() && once.preset.empty() && once.command.empty() &&
         !once.seek) {
         throw InputError(
-            "neither --device, --set, --preset, --command, --seek, --note nor --list is given; see --help");
+            "expected one of --device, --set, --preset, --command, --seek, --note or --list; see --help");
     }
     nlohmann::ordered_json result;
     bool well = true;
@@ -226,38 +226,36 @@ int main(int argc, char** argv) {
     ProgramOptions options;
     options.bus.name = "eti-controller";
     eti::CommandLine app(
-        "Commands to a session: from a pad or the keyboard while it runs, or those of --set once.",
+        "Sends commands to a session: continuously from a gamepad or the keyboard, or once those given as "
+        "options.",
         "eti-controller");
     app.footer(
-        "Pad: trigger or first button suction, left stick up and down head elevation, left and right jaw "
+        "Gamepad: trigger or first button suction, left stick up and down head elevation, left and right jaw "
         "opening, right stick up and down table (up: head-up).\n"
         "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table.\n"
         "Keys of --set: " +
-        eti::runtime_parameter_help() + ". Exit status 0 only if the server accepted all.");
+        eti::runtime_parameter_help() + ". Exit status 0 only if the server accepted all commands.");
     add_device_options(app, options, DeviceRole::commands);
     Once once;
     const auto device = app.option("--device").required(false);
-    const auto set =
-        app.add_option("--set", once.typed,
-                       "KEY=VALUE, as often as wanted: sends these, waits for the answers and ends")
-            .excludes(device);
+    const auto set = app.add_option("--set", once.typed,
+                                    "KEY=VALUE, may be repeated: send these, wait for the answers and exit")
+                         .excludes(device);
     const auto choice =
         app.add_option("--preset", once.preset,
-                       "The values of this preset, by name or path; what --set says beside it counts more")
+                       "Send the values of this preset, by name or path; --set overrides them")
             .excludes(device);
     const auto plain =
-        app.add_option(
-               "--command", once.command,
-               "start; stop: the session ends; reset: tissue and tube back to rest; next: the session "
-               "that follows, where the server was given several scenarios; pause: of a replay")
+        app.add_option("--command", once.command,
+                       "start; stop: end the session; reset: tissue and tube to rest; next: start the next "
+                       "session, if the server was given several scenarios; pause: pause a replay")
             .one_of(std::vector<std::string>(plain_commands.begin(), plain_commands.end()))
             .excludes(device);
-    const auto place =
-        app.add_number("--seek", once.seek, "Where a replay goes on", {0.0f, 1e7f, "s"}).excludes(device);
+    const auto place = app.add_number("--seek", once.seek, "Time to which a replay seeks", {0.0f, 1e7f, "s"})
+                           .excludes(device);
     bool list = false;
     const auto listing =
-        app.add_flag("--list", list,
-                     "Print what the session says of itself, with every value that lives, and end")
+        app.add_flag("--list", list, "Print the session's description with all runtime parameters, and exit")
             .excludes(device)
             .excludes(set)
             .excludes(choice)
@@ -265,7 +263,7 @@ int main(int argc, char** argv) {
             .excludes(place);
     std::string remark;
     app.add_option("--note", remark,
-                   "Leave this remark, of at most 200 letters, in the session's record, and end")
+                   "Add this remark of at most 200 letters to the session's recording, and exit")
         .excludes(device)
         .excludes(set)
         .excludes(choice)

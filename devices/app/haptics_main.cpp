@@ -65,28 +65,28 @@ nlohmann::ordered_json statistics(const Program& program, const HapticLoop& loop
 
 void log(const nlohmann::ordered_json& s) {
     spdlog::info(
-        "{} cycles; ms from one to the next: p50 {:.3f}, p99 {:.3f}, p99.9 {:.3f}, max {:.3f}; {:.3f} % "
-        "later than 1.2 ms",
+        "{} cycles; period in ms: p50 {:.3f}, p99 {:.3f}, p99.9 {:.3f}, max {:.3f}; {:.3f} % later than 1.2 "
+        "ms",
         s["cycles"].get<std::uint64_t>(), s["cycle_ms"]["p50"].get<double>(),
         s["cycle_ms"]["p99"].get<double>(), s["cycle_ms"]["p99_9"].get<double>(),
         s["cycle_ms"]["max"].get<double>(), 100.0 * s["late_share"].get<double>());
     spdlog::info(
-        "force max {:.2f} N, mean {:.2f} N; engaged {:.1f} %, faded {:.1f} % of the time; ms from one "
-        "message to the next: p50 {:.1f}, p99 {:.1f}, max {:.1f}",
+        "force max {:.2f} N, mean {:.2f} N; engaged {:.1f} %, faded {:.1f} % of the time; interval of "
+        "messages in ms: p50 {:.1f}, p99 {:.1f}, max {:.1f}",
         s["force_n"]["max"].get<double>(), s["force_n"]["mean"].get<double>(),
         100.0 * s["engaged_share"].get<double>(), 100.0 * s["stale_share"].get<double>(),
         s["message_ms"]["p50"].get<double>(), s["message_ms"]["p99"].get<double>(),
         s["message_ms"]["max"].get<double>());
     spdlog::info(
-        "computing took p50 {:.0f}, p99 {:.0f} us of a cycle; energy: lowest {:.2f} mJ, {:.2f} mJ taken back "
-        "by the passivity controller, which acted in {:.2f} % of the cycles",
+        "computation took p50 {:.0f}, p99 {:.0f} us per cycle; energy: lowest {:.2f} mJ, {:.2f} mJ "
+        "dissipated by the passivity controller, which acted in {:.2f} % of the cycles",
         s["compute_us"]["p50"].get<double>(), s["compute_us"]["p99"].get<double>(),
         s["energy_mj"]["lowest"].get<double>(), s["energy_mj"]["dissipated"].get<double>(),
         100.0 * s["passivity_share"].get<double>());
     if (s["stale_share"].get<double>() > max_stale) {
         spdlog::warn(
-            "messages were missing so long that forces were less than whole for {:.0f} % of the time; run "
-            "the server on a faster machine, or bridge longer gaps with --silence-ms",
+            "messages were missing for so long that forces were reduced for {:.0f} % of the time; run the "
+            "server on a faster machine, or bridge longer gaps with --silence-ms",
             100.0 * s["stale_share"].get<double>());
     }
 }
@@ -99,10 +99,10 @@ void handle_emergency_stop(Terminal& terminal, HapticLoop& loop) {
     if (panic_signals != heeded || (key && *key != 'r')) {
         heeded = panic_signals;
         loop.set_emergency_stop(true);
-        spdlog::warn("forces are off; press r to have them back");
+        spdlog::warn("forces are off; press r to restore them");
     } else if (key && *key == 'r') {
         loop.set_emergency_stop(false);
-        spdlog::info("forces come back when the device is free");
+        spdlog::info("forces return when the device is free of contact");
     }
 }
 
@@ -119,12 +119,12 @@ int run(const ProgramOptions& options, RenderSettings settings) {
         settings.torque = capabilities.torque > 0.0f;
         settings.gimbal = program.gimbal();
         if (capabilities.force <= 0.0f) {
-            spdlog::warn("device '{}' has no motors: its hand feels nothing", options.device);
+            spdlog::warn("device '{}' has no motors: no forces are felt", options.device);
         }
         Terminal terminal;
         HapticLoop loop(program.node(), watch, program.link().newest(), settings);
         if (terminal.there()) {
-            spdlog::info("any key lets go of the device at once (panic key); r gives forces back");
+            spdlog::info("any key turns forces off at once (panic key); r restores them");
         }
         if (const std::string& refusal =
                 loop.priority_refusal().empty() ? bus_refusal : loop.priority_refusal();
@@ -163,16 +163,16 @@ int main(int argc, char** argv) {
     RenderSettings settings;
     float silence_ms = 1e3f * settings.safety.silence_limit;
     eti::CommandLine app(
-        "The haptic device: a 1 kHz loop that lets the hand feel the scene and tells the server where it is.",
+        "The haptic device: a 1 kHz loop that renders forces to the hand and sends its pose to the server.",
         "eti-haptics");
     options.haptic = true;
     add_options(app, options);
     std::string tool = "laryngoscope";
-    app.add_option("--tool", tool, "What the device holds")
+    app.add_option("--tool", tool, "Tool that the device holds")
         .capture_default_str()
         .one_of({"laryngoscope", "tube"});
     app.add_flag("!--no-passivity-control", settings.passivity.on,
-                 "Observe the energy without taking any back; for measurements without a hand");
+                 "Observe the energy without dissipating any; for measurements without a hand");
     std::string soft_force = "constraint";
     app.add_option("--soft-force", soft_force,
                    "Force of soft tissue: 'constraint' (the simulation's contact forces) or 'displacement' "
@@ -180,12 +180,11 @@ int main(int argc, char** argv) {
         .capture_default_str()
         .one_of({"constraint", "displacement"});
     // From about the gap that needs no bridging (SafetySettings::gap) to one second.
-    app.add_number(
-           "--silence-ms", silence_ms,
-           "Forces are gone after this time without a message; they are held whole for the first third of it "
-           "and fade over the rest. More bridges longer gaps of a late server, at the cost of feeling an old "
-           "scene for as long",
-           {20.0f, 1000.0f, "ms"})
+    app.add_number("--silence-ms", silence_ms,
+                   "Forces are zero after this time without a message; they are held for the first third of "
+                   "it and fade over the rest. A larger value bridges longer gaps of a late server, but "
+                   "renders outdated forces for as long",
+                   {20.0f, 1000.0f, "ms"})
         .capture_default_str();
     const auto work = [&] {
         settings.soft_force = soft_force == "displacement" ? SoftForce::displacement : SoftForce::constraint;

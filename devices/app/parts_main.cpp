@@ -21,22 +21,25 @@ int main(int argc, char** argv) {
     float tube_inner_mm = 3.0f;
     bool json = false;
     CommandLine app(
-        "Parts to print, by the tools' models: laryngoscopes for a stylus, a connector for a magnetic "
-        "sensor, the board for eti-calibrate. Binary STL, millimetres.",
+        "Writes 3D-printable parts from the models of the tools: laryngoscopes for a stylus, a connector for "
+        "a magnetic sensor, the board for eti-calibrate. Binary STL, millimetres.",
         "eti-parts");
-    app.add_option("--out", out, "Folder for the files").capture_default_str();
+    app.add_option("--out", out, "Output folder").capture_default_str();
     std::list<std::pair<float*, float>> typed;  // a setting [m] and its given value [mm]
     const auto millimetres = [&](const char* name, float& value, const char* text, float low, float high) {
         typed.push_back({&value, 1e3f * value});
         app.add_number(name, typed.back().second, text, {low, high, "mm"}).capture_default_str();
     };
-    millimetres("--stylus-diameter-mm", settings.stylus_diameter, "What the handle is pushed onto", 2.0f,
-                20.0f);
-    millimetres("--stylus-depth-mm", settings.stylus_depth, "How far it goes in", 5.0f, 80.0f);
-    millimetres("--sensor-diameter-mm", settings.sensor_diameter, "Of the magnetic sensor", 0.5f, 10.0f);
-    millimetres("--sensor-length-mm", settings.sensor_length, "How far it goes in", 5.0f, 40.0f);
-    millimetres("--clearance-mm", settings.clearance, "About every bore; printers differ", 0.0f, 1.0f);
-    app.add_number("--tube-inner-diameter-mm", tube_inner_mm, "Of the tube", {2.0f, 6.0f, "mm"})
+    millimetres("--stylus-diameter-mm", settings.stylus_diameter, "Diameter of the stylus in the handle",
+                2.0f, 20.0f);
+    millimetres("--stylus-depth-mm", settings.stylus_depth, "Depth of the bore", 5.0f, 80.0f);
+    millimetres("--sensor-diameter-mm", settings.sensor_diameter, "Diameter of the magnetic sensor", 0.5f,
+                10.0f);
+    millimetres("--sensor-length-mm", settings.sensor_length, "Depth of the bore", 5.0f, 40.0f);
+    millimetres("--clearance-mm", settings.clearance, "Clearance of every bore; depends on the printer", 0.0f,
+                1.0f);
+    app.add_number("--tube-inner-diameter-mm", tube_inner_mm, "Inner diameter of the tube",
+                   {2.0f, 6.0f, "mm"})
         .capture_default_str();
     app.add_flag("--json", json, "Print one JSON array");
     const auto work = [&] {

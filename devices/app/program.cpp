@@ -44,14 +44,15 @@ void add_device_options(CommandLine& app, ProgramOptions& options, DeviceRole ro
     app.add_option("--device", options.device, driver_list(role)).required();
     app.add_option("--source", options.source, "The device's file, name or number; see --device");
     if (role == DeviceRole::tool) {
-        app.add_option("--library", options.library, "The vendor's library by path, if not found by itself");
+        app.add_option("--library", options.library,
+                       "Path of the vendor's library, if not found automatically");
     }
 }
 
 void add_options(CommandLine& app, ProgramOptions& options) {
     add_device_options(app, options, DeviceRole::tool);
     app.add_option("--calibration", options.calibration,
-                   "Where the device stands: a file that eti-calibrate wrote");
+                   "Calibration of the device: a file written by eti-calibrate");
     app.add_option("--operator", options.operator_name,
                    "Scripted hand by name or path; without it the device is held still");
     add_bus_options(app, options);
@@ -59,8 +60,8 @@ void add_options(CommandLine& app, ProgramOptions& options) {
 
 void add_bus_options(CommandLine& app, ProgramOptions& options) {
     bus::add_options(app, options.bus);
-    app.add_number("--duration", options.duration, "End after this time; else when the session ends",
-                   {0.001, 1e7, "s"});
+    app.add_number("--duration", options.duration,
+                   "Exit after this time; by default at the end of the session", {0.001, 1e7, "s"});
     app.add_flag("--json", options.json, "Print the statistics as one JSON object");
 }
 
@@ -76,8 +77,8 @@ Program::Program(const ProgramOptions& options, Tool tool)
       echo_(node_) {
     if (calibration_ && !calibration_->registered) {
         throw DeviceError(
-            fmt::format("--calibration {}: is a pivot, which does not tell where the patient is; give it to "
-                        "eti-calibrate register with --pivot, and what that writes to this program",
+            fmt::format("--calibration {}: is a pivot, which does not locate the patient; pass it to "
+                        "eti-calibrate register --pivot, and the resulting file to this program",
                         options.calibration));
     }
     if (calibration_ && calibration_->device != options.device) {
@@ -90,8 +91,8 @@ Program::Program(const ProgramOptions& options, Tool tool)
                      calibration_->points, 1e3 * calibration_->error, 1e3 * calibration_->left_out_error);
     } else if (driver_.needs_calibration) {
         spdlog::warn(
-            "device '{}' is not calibrated: its poses are taken as if its frame were the patient's; run "
-            "eti-calibrate and name its file with --calibration",
+            "device '{}' is not calibrated: its frame is assumed to be the patient's; run eti-calibrate and "
+            "name its file with --calibration",
             driver_.name);
     }
     for (const std::string& warning : bus::self_check(node_, false, look_for_server).warnings) {
@@ -144,7 +145,8 @@ void Program::run(const std::function<nlohmann::ordered_json(SensorMonitor&)>& w
     spdlog::info("ended: {}; {} poses published", ended_, own.value("poses_published", 0));
     if (link_.refused() > 0) {
         spdlog::warn(
-            "{} messages were refused: not finite or not of this version; do server and device match?",
+            "{} messages were rejected: not finite or not of this version; do the versions of server and "
+            "device match?",
             link_.refused());
     }
     nlohmann::ordered_json all = {{"device", options_.device},
@@ -166,24 +168,24 @@ void Program::report(const SensorMonitor& watch) {
     const SensorHealth now = watch.health();
     const std::string fault = watch.fault();
     if (now.lost && (!reported_.lost || fault != reported_fault_)) {
-        spdlog::warn("device '{}' is lost{}; waiting for it to come back", driver_.name,
-                     !fault.empty() ? ": " + fault
-                     : now.frozen
-                         ? ": it pushes but says it does not move at all; move it, else unplug it and "
-                           "plug it in again"
-                         : ": it sends nothing");
+        spdlog::warn(
+            "device '{}' lost{}; waiting for it", driver_.name,
+            !fault.empty() ? ": " + fault
+            : now.frozen
+                ? ": it exerts force but reports no motion; move it, or unplug it and plug it in again"
+                : ": it sends nothing");
     } else if (!now.lost && reported_.lost) {
         spdlog::info("device '{}' is back", driver_.name);
     }
     if (now.slow && !reported_.slow) {
         spdlog::warn(
-            "device '{}' is slow: {:.0f} measurements a second, {:.0f} expected; check its cable and the "
+            "device '{}' is slow: {:.0f} measurements per second, {:.0f} expected; check its cable and the "
             "load of this machine",
             driver_.name, now.rate, watch.capabilities().rate);
     }
     if ((now.jumps > 0) != (reported_.jumps > 0) || (now.not_finite > 0) != (reported_.not_finite > 0)) {
         spdlog::warn(
-            "device '{}' says what no hand can do ({} jumps, {} poses that are not finite); left out",
+            "device '{}' reports impossible motion ({} jumps, {} poses that are not finite); ignored",
             driver_.name, now.jumps, now.not_finite);
     }
     reported_ = now;
@@ -210,8 +212,8 @@ void Program::watch_latency() {
     if (round_trip_ms_ && *round_trip_ms_ > slow_round_trip_ms && now - warned_ > warn_interval) {
         warned_ = now;
         spdlog::warn(
-            "messages take {:.0f} ms to the server and back: beyond {:.0f} ms a hand feels a wall late and "
-            "soft; use a faster link, or a device at the server's site",
+            "the round trip to the server takes {:.0f} ms: beyond {:.0f} ms walls feel late and soft; use a "
+            "faster link, or a device at the server's site",
             *round_trip_ms_, slow_round_trip_ms);
     }
 }

@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
     using namespace eti::devices;
     ProgramOptions options;
     options.bus.name = "eti-tracker";
-    eti::CommandLine app("The tube's tracker: tells the server at 240 Hz where the tube is held.",
+    eti::CommandLine app("The tube's tracker: sends the pose of the tube's grip to the server at 240 Hz.",
                          "eti-tracker");
     add_options(app, options);
     return eti::run_program(

@@ -139,7 +139,7 @@ void refuse_thin(const Spread& spread, const FitSettings& settings) {
     if (spread.size[1] < settings.min_spread) {
         throw CalibrationError(fmt::format(
             "the points lie on a line (RMS {:.1f} mm across it, at least {:.0f} mm are needed), which leaves "
-            "the turn about it open. Collect more points off that line, {} of it",
+            "the rotation about it undetermined. Collect more points off that line, {} of it",
             1e3 * spread.size[1], 1e3 * settings.min_spread, name_of_direction(spread.direction.col(1))));
     }
 }
@@ -154,14 +154,14 @@ Isometry3d fit_rigid(std::span<const PointPair> pairs) {
 
 RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& settings) {
     if (pairs.size() < settings.min_pairs) {
-        throw CalibrationError(
-            fmt::format("{} pairs of points, at least {} are needed. Collect {} more, as far "
-                        "apart and as little on a line as you can",
-                        pairs.size(), settings.min_pairs, settings.min_pairs - pairs.size()));
+        throw CalibrationError(fmt::format(
+            "{} pairs of points, at least {} are needed. Collect {} more, far apart and not on a line",
+            pairs.size(), settings.min_pairs, settings.min_pairs - pairs.size()));
     }
     for (const PointPair& pair : pairs) {
         if (!pair.device.allFinite() || !pair.patient.allFinite()) {
-            throw CalibrationError(fmt::format("point '{}' has a coordinate that is no number", pair.name));
+            throw CalibrationError(
+                fmt::format("point '{}' has a coordinate that is not a number", pair.name));
         }
     }
     std::vector<std::size_t> all(pairs.size());
@@ -172,8 +172,8 @@ RigidFit fit_robustly(std::span<const PointPair> pairs, const FitSettings& setti
     if (static_cast<double>(inliers.size()) < agreeing_share * static_cast<double>(pairs.size()) ||
         inliers.size() < 3) {
         throw CalibrationError(fmt::format(
-            "only {} of {} points agree with each other within {:.0f} mm. Touch the points named, in their "
-            "order, again; if each is right by itself, the device mirrors or the phantom is another one",
+            "only {} of {} points agree within {:.0f} mm. Touch the named points again, in their order; if "
+            "each is correct by itself, the device's axes are mirrored or the phantom is a different one",
             inliers.size(), pairs.size(), 1e3 * settings.outlier));
     }
     const Spread spread = spread_of(pairs, inliers);
@@ -261,10 +261,10 @@ std::string other_order(std::span<const Isometry3d> poses, const PivotSettings& 
         return "";
     }
     return last < inverse
-               ? fmt::format("; with quaternions in the order x y z w they miss by {:.2f} mm: write w first",
+               ? fmt::format("; with quaternions in the order x y z w the error is {:.2f} mm: write w first",
                              1e3 * last)
                : fmt::format(
-                     "; with the inverse turns they miss by {:.2f} mm: give the sensor's turn in the "
+                     "; with inverse rotations the error is {:.2f} mm: give the sensor's rotation in the "
                      "device's frame",
                      1e3 * inverse);
 }
@@ -274,8 +274,7 @@ std::string other_order(std::span<const Isometry3d> poses, const PivotSettings& 
 PivotFit fit_pivot(std::span<const Isometry3d> poses, const PivotSettings& settings) {
     if (poses.size() < min_poses) {
         throw CalibrationError(
-            fmt::format("{} poses, at least {} are needed. Turn the tool about its resting "
-                        "tip for longer",
+            fmt::format("{} poses, at least {} are needed. Swing the tool about its tip for longer",
                         poses.size(), min_poses));
     }
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -287,25 +286,23 @@ PivotFit fit_pivot(std::span<const Isometry3d> poses, const PivotSettings& setti
     const PivotFit out = solve_pivot(poses, turning);
     if (turning < min_turning) {
         throw CalibrationError(
-            "the tool was turned too little to tell where its tip is. Keep the tip in place and swing the "
-            "handle by 30 deg or more, to all sides");
+            "the tool was rotated too little to locate its tip. Keep the tip in place and swing the handle "
+            "by 30 deg or more, in all directions");
     }
     if (!(out.error <= settings.largest_error)) {
         throw CalibrationError(fmt::format(
-            "the tip did not rest: the poses miss one place by {:.2f} mm RMS, at most {:g} mm are taken{}. "
-            "Keep "
-            "the tip in its dimple and swing again; of measured poses, give x y z [mm] and w x y z",
+            "the tip did not rest: the poses deviate from one point by {:.2f} mm RMS, expected at most {:g} "
+            "mm{}. Keep the tip in its dimple and swing again; give measured poses as x y z [mm] and w x y z",
             1e3 * out.error, 1e3 * settings.largest_error, other_order(poses, settings)));
     }
     const double distance = out.tip.norm();
     if (distance < settings.nearest || distance > settings.farthest) {
         throw CalibrationError(
-            fmt::format("the tip lies {:.3g} mm from the sensor, expected {:g} to {:g} mm{}. Give places in "
-                        "millimetres, and "
-                        "poses of the sensor that the tool is fixed to",
+            fmt::format("the tip lies {:.3g} mm from the sensor, expected {:g} to {:g} mm{}. Give positions "
+                        "in millimetres, and poses of the sensor that is fixed to the tool",
                         1e3 * distance, 1e3 * settings.nearest, 1e3 * settings.farthest,
                         1e3 * distance >= settings.nearest && 1e3 * distance <= settings.farthest
-                            ? "; are the places in metres?"
+                            ? "; are the positions in metres?"
                             : ""));
     }
     return out;

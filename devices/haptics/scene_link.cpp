@@ -240,7 +240,7 @@ void SceneLink::take_description() {
         std::optional<bus::SessionKeys> keys = bus::SessionKeys::of(description_, why);
         if (!keys) {
             refused_.fetch_add(1, std::memory_order_relaxed);
-            spdlog::warn("the session's description cannot be right: {}", why);
+            spdlog::warn("invalid description of the session: {}", why);
             continue;
         }
         if (!keys->key_mismatch().empty()) {
@@ -263,9 +263,8 @@ void SceneLink::take_status() {
         }
         const bool frozen = status_.phase() == msg::PHASE_FROZEN;
         if (frozen != frozen_) {
-            frozen ? spdlog::warn(
-                         "the session stands still until a device that fell silent is back; forces are off")
-                   : spdlog::info("the session goes on");
+            frozen ? spdlog::warn("the session is paused until a silent device is back; forces are off")
+                   : spdlog::info("the session continues");
         }
         frozen_ = frozen;
     }
@@ -278,10 +277,10 @@ void SceneLink::watch_silence(std::int64_t now) {
     const bool silent = now - heard_ > silence_ns;
     if (silent && !silent_ && !finished() && !frozen_) {
         outages_.fetch_add(1, std::memory_order_relaxed);
-        spdlog::warn("the server has fallen silent ({}); forces are off until it is heard again",
-                     status_topic_.matched() == 0 ? "it is gone" : "it is there but sends nothing");
+        spdlog::warn("no messages from the server ({}); forces are off until it is back",
+                     status_topic_.matched() == 0 ? "it has left" : "it is present but sends nothing");
     } else if (!silent && silent_) {
-        spdlog::info("the server is heard again");
+        spdlog::info("the server is back");
     }
     silent_ = silent && !frozen_;
 }

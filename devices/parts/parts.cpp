@@ -75,7 +75,7 @@ TriangleMesh laryngoscope_part(const Laryngoscope& scope, const PartSettings& se
     if (bore + settings.wall > handle.radius) {
         throw std::invalid_argument("a stylus of " + std::to_string(1e3f * settings.stylus_diameter) +
                                     " mm leaves the handle of " + std::to_string(2e3f * handle.radius) +
-                                    " mm no wall; give a thinner one");
+                                    " mm no wall; use a thinner one");
     }
     const Vec3f ball(0.0f, 0.0f, scope.blade_length - tip_ball_radius);
     const Vec3f up = Vec3f::UnitY();
@@ -131,7 +131,7 @@ TriangleMesh board_part(std::span<const Eigen::Vector3d> points, const PartSetti
         step->second.second = step->second.second.cwiseMax(p);
     }
     if (steps.empty()) {
-        throw std::invalid_argument("a board needs points");
+        throw std::invalid_argument("a board requires points");
     }
     const float bottom = steps.rbegin()->first + base;
     Vec3f low = Vec3f::Constant(1.0f), high = Vec3f::Constant(-1.0f);

@@ -26,16 +26,16 @@ constexpr std::array<Driver, 9> table = {{
     {"simulated", DeviceRole::tool, false, "haptic arm and the hand that holds it, both simulated",
      &open_hand},
     {"scripted", DeviceRole::tool, false, "tracked tool in a simulated hand", &open_hand},
-    {"recorded", DeviceRole::tool, false, "hand as recorded in the session file --source", &open_recorded},
+    {"recorded", DeviceRole::tool, false, "hand recorded in the session file --source", &open_recorded},
     {"mouse", DeviceRole::tool, false, "mouse and keys, in a window of its own", &open_mouse},
-    {"spacenav", DeviceRole::tool, false, "6-DOF mouse by spacenavd", &open_spacenav},
-    {"openhaptics", DeviceRole::tool, true, "Touch or Touch X by OpenHaptics; --source: its name there",
+    {"spacenav", DeviceRole::tool, false, "6-DOF mouse through spacenavd", &open_spacenav},
+    {"openhaptics", DeviceRole::tool, true, "Touch or Touch X through OpenHaptics; --source: its name there",
      &open_openhaptics},
     {"trakstar", DeviceRole::tool, true, "Ascension 3D Guidance tracker; --source: the sensor's number",
      &open_trakstar},
     {"gamepad", DeviceRole::commands, false, "pad; --source: its file (default /dev/input/js0)",
      &open_gamepad},
-    {"keyboard", DeviceRole::commands, false, "keys typed in this terminal", &open_keyboard},
+    {"keyboard", DeviceRole::commands, false, "keyboard of this terminal", &open_keyboard},
 }};
 
 }  // namespace
@@ -55,7 +55,7 @@ const Driver& find_driver(std::string_view name, DeviceRole role) {
         }
         known += (known.empty() ? "" : ", ") + std::string(driver.name);
     }
-    throw DeviceError("--device " + std::string(name) + ": no such device; there is: " + known);
+    throw DeviceError("--device " + std::string(name) + ": no such device; available: " + known);
 }
 
 std::string driver_list(DeviceRole role) {

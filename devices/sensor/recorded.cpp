@@ -43,7 +43,7 @@ class Recorded final : public Sensor {
   public:
     explicit Recorded(const SensorSetup& setup) {
         if (setup.source.empty()) {
-            throw DeviceError("--device recorded: which file? Name a session file with --source");
+            throw DeviceError("--device recorded: no session file given. Name one with --source");
         }
         try {
             const std::vector<std::uint8_t> bytes =
@@ -61,7 +61,7 @@ class Recorded final : public Sensor {
         }
         if (times_.empty() || !std::ranges::is_sorted(times_)) {
             throw DeviceError("--source " + setup.source +
-                              ": holds no steps in order of time. Try eti-review check --repair");
+                              ": contains no steps in order of time. Try eti-review check --repair");
         }
         last_.motion.pose = poses_.front();
     }

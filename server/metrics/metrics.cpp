@@ -50,7 +50,7 @@ void Metrics::log_event(std::string text) {
     if (events_.size() + 1 < max_events) {
         events_.push_back({last_ns_.value_or(0), std::move(text)});
     } else if (events_.size() + 1 == max_events) {
-        events_.push_back({last_ns_.value_or(0), "later events are not listed"});
+        events_.push_back({last_ns_.value_or(0), "further events are not listed"});
     }
 }
 
@@ -138,7 +138,7 @@ void Metrics::add_to_attempt(const AttemptSample& sample) {
     }
     if (attempt_->glottis_seen() && !seen_in_attempt_) {
         seen_in_attempt_ = true;
-        log_event("the glottis came into sight");
+        log_event("the glottis came into view");
     }
     if (sample.time >= next_refresh_) {
         attempt_->refresh_curves();
@@ -251,8 +251,7 @@ AttemptMetrics Metrics::measured(AttemptMetrics metrics) const {
 
 Outcome Metrics::outcome(const OutcomeTracker& tracker) const {
     if (of_ == PatientKind::manikin) {
-        return {false,
-                "on a manikin nothing measures whether the trachea was intubated; whoever looks can tell",
+        return {false, "on a manikin intubation of the trachea is not measured; an observer has to judge it",
                 false};
     }
     return evaluate_outcome(tracker, tube_, trachea_length_, time_limit_);

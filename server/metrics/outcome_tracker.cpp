@@ -72,7 +72,7 @@ Outcome evaluate_outcome(const OutcomeTracker& tracker, const AirwayWatch& tube,
                                      in_mm(past - trachea_length));
     } else if (past < success_depth) {
         outcome.reason =
-            fmt::format("the tube's tip lies only {:.0f} mm past the glottis, where {:.0f} mm are needed",
+            fmt::format("the tube's tip lies only {:.0f} mm past the glottis, and {:.0f} mm are required",
                         in_mm(past), in_mm(success_depth));
     } else {
         outcome.success = true;

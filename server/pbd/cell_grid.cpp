@@ -17,8 +17,8 @@ CellGrid::CellGrid(const Vec3f& lower, const Vec3f& upper, float cell, std::size
                                     std::to_string(upper.y() - lower.y()) + " x " +
                                     std::to_string(upper.z() - lower.z()) + " m in cells of " +
                                     std::to_string(cell) +
-                                    " m: at most 64 million cells and a positive "
-                                    "extent are expected; shrink the domain or use larger cells");
+                                    " m: expected at most 64 million cells and a positive extent; shrink the "
+                                    "domain or use larger cells");
     }
     start_.resize(static_cast<std::size_t>(cells.prod()) + 1, 0);
     cell_.resize(capacity, 0);

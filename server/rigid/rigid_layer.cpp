@@ -32,7 +32,7 @@ void check(const Laryngoscope& scope, const TriangleMesh& shell, std::span<const
                 std::to_string(tissue.size()) + " tissue entries; expected one entry per triangle");
     for (const Triangle& triangle : shell.triangles) {
         for (const std::uint32_t vertex : triangle) {
-            require(vertex < shell.vertices.size(), "a shell triangle names vertex " +
+            require(vertex < shell.vertices.size(), "a shell triangle refers to vertex " +
                                                         std::to_string(vertex) + " of " +
                                                         std::to_string(shell.vertices.size()));
         }

@@ -50,9 +50,9 @@ def main():
     parser.add_argument("before", type=Path, help="folder with the older eti-server")
     parser.add_argument("after", type=Path, help="folder with the newer one")
     parser.add_argument("--scenario", action="append", help="default: term and premature")
-    parser.add_argument("--from", dest="first", type=int, default=1000, help="step at which counting begins [1000]")
-    parser.add_argument("--to", dest="last", type=int, default=1800, help="and at which it ends [1800]")
-    parser.add_argument("--rounds", type=int, default=5, help="of which the median counts [5]")
+    parser.add_argument("--from", dest="first", type=int, default=1000, help="first measured step [1000]")
+    parser.add_argument("--to", dest="last", type=int, default=1800, help="last measured step [1800]")
+    parser.add_argument("--rounds", type=int, default=5, help="rounds, of which the median is reported [5]")
     wanted = parser.parse_args()
     if not 0 < wanted.first < wanted.last or wanted.rounds < 1:
         parser.error("--from has to be at least 1 and below --to, and --rounds at least 1")

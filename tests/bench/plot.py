@@ -23,9 +23,9 @@ PARTS = {"accuracy": accuracy_figures, "calibration": calibration_figures, "stab
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="where the tables lie")
+    parser.add_argument("folder", type=Path, help="folder of the tables")
     parser.add_argument("--only", choices=PARTS, help="the figures of one command")
-    parser.add_argument("--list", action="store_true", help="name the figures and draw none")
+    parser.add_argument("--list", action="store_true", help="list the figures without drawing them")
     wanted = parser.parse_args()
     figures = [figure for part in ([wanted.only] if wanted.only else PARTS) for figure in PARTS[part](wanted.folder)]
     for number, (file, draw_into) in enumerate(figures, 1):

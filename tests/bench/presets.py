@@ -67,7 +67,7 @@ def main():
     parser.add_argument("bin", type=Path, help="folder with eti-server")
     parser.add_argument("--scenario", default="term", help="shipped scenario [term]")
     parser.add_argument("--preset", action="append", help="default: all that are shipped")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="counts more than the preset's")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="overrides the preset's value")
     parser.add_argument("--operator", action="append", choices=OPERATORS, help="default: both")
     parser.add_argument("--seeds", type=int, default=3, help="runs of each [3]")
     wanted = parser.parse_args()

@@ -23,7 +23,7 @@ ROWS = (  # label, key in a round's result, digits
     ("haptic loop, late cycles [%]", ("haptics", "late_share"), 2),
     ("between messages to the hand, p50 [ms]", ("haptics", "message_ms", "p50"), 2),
     ("between messages to the hand, p99 [ms]", ("haptics", "message_ms", "p99"), 2),
-    ("forces not whole [% of the time]", ("haptics", "stale_share"), 2),
+    ("forces reduced [% of the time]", ("haptics", "stale_share"), 2),
     ("server's step, p50 [ms]", ("server", "step_ms", "p50"), 2),
     ("server's step, p99 [ms]", ("server", "step_ms", "p99"), 2),
     ("server's processor time [s per s]", ("server", "processor"), 2),

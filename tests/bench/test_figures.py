@@ -158,12 +158,12 @@ class Figures(unittest.TestCase):
         self.assertEqual(subprocess.run([*stamps, "--check"], stdout=subprocess.DEVNULL).returncode, 1)
         subprocess.run([*stamps, "--update"], check=True)
         self.assertEqual(subprocess.run([*stamps, "--check"], stdout=subprocess.DEVNULL).returncode, 0)
-        self.assertIn("**Stale:** measured with physics version 01234567, today's is fedcba98", page.read_text())
+        self.assertIn("**Stale:** measured with physics version 01234567, current is fedcba98", page.read_text())
         done = self.figures("--stale", "--only", "calibration")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("Stale", page.read_text())
         done = self.figures("--stale", "--only", "calibration")
-        self.assertIn("Every table belongs to today's physics version", done.stderr)
+        self.assertIn("Every table belongs to the current physics version", done.stderr)
 
     def test_tables_that_contradict_the_pages_are_reported(self):
         self.needs_drawing()
@@ -172,7 +172,7 @@ class Figures(unittest.TestCase):
         self.claims(hold=False)
         done = self.figures("--only", "calibration")
         self.assertEqual(done.returncode, 1)
-        self.assertIn("no longer what the pages say", done.stderr)
+        self.assertIn("the pages contradict the new tables", done.stderr)
 
     def test_stale_parts_are_listed_cheapest_first(self):
         self.physics("0123456789abcdef")

@@ -91,7 +91,7 @@ class Shards(unittest.TestCase):
         (another_build / "shard.json").write_text(json.dumps(manifest))
         for given, said in (([shards[0]], "shard 1 of 2 is not among"), ([shards[0], shards[0]], "are both shard 0"),
                             ([shards[0], other / "shard-1-of-2"], "different sweeps"),
-                            ([shards[0], unfinished], "has not ended well"), ([shards[0], torn], "stability.csv:2"),
+                            ([shards[0], unfinished], "is incomplete"), ([shards[0], torn], "stability.csv:2"),
                             ([shards[0], another_build], "different sweeps, settings or builds")):
             done = run(BENCH, "merge", self.folder / "merged", *given)
             self.assertEqual(done.returncode, 1)
@@ -100,7 +100,7 @@ class Shards(unittest.TestCase):
         for text in ("2/2", "-1/2", "1", "/2", "a/b", "0/0", "1/2x", "99999999999999999999/2"):
             done = run(BENCH, *SWEEP, "--shard=" + text, "--out", self.folder / "none")
             self.assertEqual(done.returncode, 1, text)
-            self.assertIn("no shard I/N", done.stderr)
+            self.assertIn("not a shard I/N", done.stderr)
 
     def test_slurm_array_equals_single_run(self):
         task = {"ETI_BENCH": str(BENCH), "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}

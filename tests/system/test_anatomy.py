@@ -82,7 +82,7 @@ class Anatomy(support.Case):
         # Upside down, because the file states a wrong orientation: labels, a warning, and an exit status of its own.
         done = self.anatomy("segment", turned("down.nrrd", (1, 0, 0), (0, -1, 0), (0, 0, -1)), "--out", out, "--json")
         self.assertEqual(done.returncode, 4, done.stderr)
-        self.assertIn("doubtful: the head is turned by 1", done.stderr)
+        self.assertIn("doubtful: the head is rotated by 1", done.stderr)
         self.assertIn("Remedy", done.stderr)
         self.assertTrue(out.exists())
         self.assertEqual(len(json.loads(done.stdout)["contradictions"]), 1)
@@ -149,7 +149,7 @@ tube: {inner_diameter_mm: 3.0, grip_from_tip_mm: 100, curve_radius_mm: 70, young
         (self.folder / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         before = sorted(self.folder.iterdir())
         out = self.folder / "model.h5"
-        self.assert_refused(self.anatomy("build", self.folder / "open.obj", "--out", out), "its name does not tell",
+        self.assert_refused(self.anatomy("build", self.folder / "open.obj", "--out", out), "its name does not indicate",
                             "Remedy")
         skin = (self.folder / "open.obj").rename(self.folder / "skin.obj")
         self.assert_refused(self.anatomy("build", skin, "--out", out), "3 open", "near", "Remedy")

@@ -271,7 +271,7 @@ class Storage(support.Case):
     def test_earlier_recording_is_not_overwritten(self):
         record = self.folder / "record.eti.h5"
         record.write_text("earlier")
-        self.assert_refused(self.serve(record, steps=2), record, "exists already")
+        self.assert_refused(self.serve(record, steps=2), record, "already exists")
         self.assertEqual(record.read_text(), "earlier")
 
     def test_review_refuses_non_session_files(self):

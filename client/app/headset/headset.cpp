@@ -77,7 +77,7 @@ class HeadsetClient {
             try {
                 if (!runtime) {
                     runtime.emplace();
-                    spdlog::info("the headset's runtime is back: {}", runtime->name());
+                    spdlog::info("connected to the headset's runtime again: {}", runtime->name());
                 }
                 const auto headset = runtime->headset();
                 if (headset) {
@@ -85,8 +85,7 @@ class HeadsetClient {
                     wear(*runtime, *headset);
                 } else if (!absent) {
                     absent = true;
-                    spdlog::info("{}: no headset is there yet; waiting for it (Ctrl-C ends)",
-                                 runtime->name());
+                    spdlog::info("{}: no headset found yet; waiting for one (Ctrl-C quits)", runtime->name());
                 }
             } catch (const hmd::RuntimeUnavailable&) {
                 if (ends_.empty()) {
@@ -133,9 +132,9 @@ class HeadsetClient {
         ends_.push_back(why);
         left_ = why == hmd::SessionEnd::left;
         if (why == hmd::SessionEnd::headset_lost) {
-            spdlog::warn("the headset is gone; waiting for it (Ctrl-C ends)");
+            spdlog::warn("the headset was disconnected; waiting for it (Ctrl-C quits)");
         } else if (why == hmd::SessionEnd::runtime_lost) {
-            spdlog::warn("the headset's runtime is gone; waiting for it (Ctrl-C ends)");
+            spdlog::warn("lost the headset's runtime; waiting for it (Ctrl-C quits)");
         }
     }
 
@@ -172,8 +171,9 @@ class HeadsetClient {
                  {HeadsetPanel::width, HeadsetPanel::height}}};
             hmd::Session session(runtime, headset, graphics_, panels);
             layered_ = session.layered();
-            spdlog::info("{}: {} x {} pixels an eye, {}", headset.name, headset.eye_width, headset.eye_height,
-                         layered_ ? "both in one picture of two layers" : "a picture for each");
+            spdlog::info("{}: {} x {} pixels per eye, {}", headset.name, headset.eye_width,
+                         headset.eye_height,
+                         layered_ ? "both in one image with two layers" : "one image each");
             follow(session);
             recentred_ += session.recentred();
             ended(session.life().end());
@@ -191,7 +191,7 @@ class HeadsetClient {
                 session.leave();
             }
             if (exit_requested && Clock::now() - *exit_requested > exit_timeout) {
-                spdlog::warn("the headset's runtime does not let go; leaving all the same");
+                spdlog::warn("the headset's runtime does not end the session; exiting anyway");
                 break;
             }
             if (!session.life().running()) {
@@ -322,7 +322,7 @@ int run_headset(const Options& options, nlohmann::json& result) {
     std::optional<hmd::Runtime> runtime(std::in_place);
     spdlog::info("headset's runtime: {}", runtime->name());
     HeadsetClient client(options, runtime->supports_egl());
-    spdlog::info("drawing with {}", render::driver_name());
+    spdlog::info("rendering with {}", render::driver_name());
     client.run(runtime);
     result = client.report();
     return 0;

@@ -81,7 +81,7 @@ class Offscreen {
                 // time.
                 deadline = Clock::now() + patience_;
                 if (!announced) {
-                    spdlog::info("server found; waiting for its scene");
+                    spdlog::info("server found; waiting for the scene");
                     announced = true;
                 }
             }
@@ -210,7 +210,7 @@ class Offscreen {
         ++frames_;
         last_tick_ = tick;
         const auto spent = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-        spdlog::debug("simulation time {:.2f} s drawn in {:.0f} ms", time_s, spent);
+        spdlog::debug("simulation time {:.2f} s rendered in {:.0f} ms", time_s, spent);
         return true;
     }
 
@@ -281,9 +281,9 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     // threads are lowered less, as messages would otherwise pile up at their writers.
     lower_priority(drawing_nice);
     Offscreen offscreen(options, client);
-    spdlog::info("drawing with {}, quality {}", render::driver_name(), offscreen.quality().name);
+    spdlog::info("rendering with {}, quality {}", render::driver_name(), offscreen.quality().name);
     if (!offscreen.wait_for_scene()) {
-        spdlog::error("no scene came within {} s (--wait): {}",
+        spdlog::error("no scene received within {} s (--wait): {}",
                       options.wait_s.value_or(Options::offscreen_wait_s),
                       bus::missing_server_message(options.bus));
         return 1;
@@ -293,7 +293,7 @@ int run_offscreen(const Options& options, nlohmann::json& result) {
     }
     offscreen.finish();
     result = offscreen.report();
-    spdlog::info("{}: {} pictures, {} frames drawn in {}", result["end"].get<std::string>(),
+    spdlog::info("{}: {} pictures, {} frames rendered in {}", result["end"].get<std::string>(),
                  result["pictures"].size(), result["frames_drawn"].get<std::uint64_t>(),
                  options.offscreen.string());
     return 0;

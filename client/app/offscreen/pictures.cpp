@@ -21,8 +21,8 @@ constexpr float better_by_percent = 0.5f;
 
 [[noreturn]] void refuse(const std::filesystem::path& folder, const std::string& cause) {
     throw std::runtime_error(
-        fmt::format("{}: pictures cannot be written there: {}. Choose another folder with "
-                    "--offscreen, or make this one writable.",
+        fmt::format("{}: cannot write pictures to this folder: {}. Choose another folder with --offscreen, "
+                    "or make this one writable.",
                     folder.string(), cause));
 }
 

@@ -26,7 +26,7 @@ constexpr std::array command_key_table{
     CommandKey{U'[', "[", "table_angle", KeyAction::step, -1.0f, "table head-down"},
     CommandKey{U'e', "e", "view_enhanced", KeyAction::toggle, 0.0f, "enhanced view on or off"},
     CommandKey{U's', "s", "suction", KeyAction::hold, 0.0f, "suction while held"},
-    CommandKey{U'r', "r", "reset", KeyAction::once, 0.0f, "tissue and tube back to rest"},
+    CommandKey{U'r', "r", "reset", KeyAction::once, 0.0f, "reset tissue and tube"},
 };
 
 }  // namespace

@@ -21,12 +21,12 @@ std::optional<hands::HandPlayback> play_of(const std::filesystem::path& file) {
 
 std::vector<std::pair<std::string, std::string>> hand_controls_help() {
     std::vector<std::pair<std::string, std::string>> out{
-        {"Tab", "the other hand: blade or tube"},
-        {"drag left", "hold and move the tool in the picture's plane; let go, and it stays"},
-        {"drag right", "swing the hand about the tool's tip"},
+        {"Tab", "switch hand: blade or tube"},
+        {"drag left", "move the tool in the picture's plane; it stays where released"},
+        {"drag right", "rotate the tool about its tip"},
         {"wheel", "slide the tool in and out"},
-        {"shift+mouse", "move the view instead"},
-        {"z", "hand back to its start"}};
+        {"shift+mouse", "move the view instead of the tool"},
+        {"z", "hand back to its initial pose"}};
     for (const HandKey& key : hand_keys()) {
         out.emplace_back(key.caption, key.help);
     }

@@ -27,7 +27,7 @@ char32_t key_of(const hmd::Pad& pad, char32_t up, char32_t down, char32_t left, 
 }
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> help{
-    {{"trigger", "suction while held; pointing at the panel, a click"},
+    {{"trigger", "suction while held; a click when pointing at the panel"},
      {"right pad", "pressed up or down: head; right or left: jaw open or closed"},
      {"left pad", "pressed up or down: table"},
      {"menu", "right: enhanced view; left: panel"},

@@ -14,7 +14,7 @@ const std::vector<Selection>& selection_table() {
             .name = "all", .key = '4', .help = "every view, side by side", .plain = {}, .enhanced = {}};
         Selection automatic{.name = "auto",
                             .key = '0',
-                            .help = "what the scenario asks for; enhanced, with the section",
+                            .help = "the scenario's view; with enhanced view also the section",
                             .plain = {},
                             .enhanced = {}};
         for (const render::View& view : render::views()) {
@@ -36,7 +36,7 @@ const std::vector<Selection>& selection_table() {
         out.push_back(all);
         out.push_back({.name = "four",
                        .key = '7',
-                       .help = "overview, section, blade and eye, all alike",
+                       .help = "overview, section, blade and eye in equal size",
                        .plain = from_four_sides,
                        .enhanced = from_four_sides,
                        .arrangement = Arrangement::even});

@@ -41,7 +41,7 @@ constexpr std::array vantage_key_table{
                [](Vantage& v, const Landmarks& now) {
                    v.eye.move({0.0f, -eye_per_key, 0.0f}, now);
                }},
-    VantageKey{U'u', "u", "eye nearer",
+    VantageKey{U'u', "u", "eye closer",
                [](Vantage& v, const Landmarks& now) {
                    v.eye.move({0.0f, 0.0f, -eye_per_key}, now);
                }},
@@ -49,15 +49,14 @@ constexpr std::array vantage_key_table{
                [](Vantage& v, const Landmarks& now) {
                    v.eye.move({0.0f, 0.0f, eye_per_key}, now);
                }},
-    VantageKey{U'c', "c", "eye back to where it sees best",
-               [](Vantage& v, const Landmarks&) { v.eye.settle(); }},
-    VantageKey{U',', ",", "section deeper into what stays",
+    VantageKey{U'c', "c", "eye back to the best view", [](Vantage& v, const Landmarks&) { v.eye.settle(); }},
+    VantageKey{U',', ",", "section deeper into the remaining half",
                [](Vantage& v, const Landmarks&) { v.section.shift(-plane_per_key); }},
-    VantageKey{U'.', ".", "section out of it",
+    VantageKey{U'.', ".", "section away from the remaining half",
                [](Vantage& v, const Landmarks&) { v.section.shift(plane_per_key); }},
-    VantageKey{U'n', "n", "section turned to the right",
+    VantageKey{U'n', "n", "section rotated to the right",
                [](Vantage& v, const Landmarks&) { v.section.rotate(-plane_turn, 0.0f); }},
-    VantageKey{U'm', "m", "section turned to the left",
+    VantageKey{U'm', "m", "section rotated to the left",
                [](Vantage& v, const Landmarks&) { v.section.rotate(plane_turn, 0.0f); }},
     VantageKey{U'v', "v", "section tilted to the front",
                [](Vantage& v, const Landmarks&) { v.section.rotate(0.0f, -plane_turn); }},
@@ -115,8 +114,8 @@ void drag(Vantage& vantage, const render::View& view, const hands::Drag& mouse, 
 }
 
 std::string_view mouse_help() {
-    return "drag and wheel: from outside the onlooker, in the section its plane, else the eye; right button: "
-           "gaze, depth of the plane";
+    return "drag, wheel: camera in the overview, plane in the section, else the eye; right button: gaze, "
+           "depth of the plane";
 }
 
 }  // namespace eti::client

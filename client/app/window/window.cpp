@@ -36,7 +36,7 @@ Window& window_of(GLFWwindow* window) {
 Window::Window(int width, int height, const std::string& title) {
     if (glfwInit() != GLFW_TRUE) {
         throw std::runtime_error(fmt::format(
-            "no window can be opened ({}). Without a display use --offscreen DIR.", last_glfw_error()));
+            "cannot open a window ({}). Without a display use --offscreen DIR.", last_glfw_error()));
     }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
@@ -48,8 +48,7 @@ Window::Window(int width, int height, const std::string& title) {
         const std::string error = last_glfw_error();
         glfwTerminate();
         throw std::runtime_error(fmt::format(
-            "no window with OpenGL 3.3 can be opened ({}). Install a driver, or use --offscreen DIR.",
-            error));
+            "cannot open a window with OpenGL 3.3 ({}). Install a driver, or use --offscreen DIR.", error));
     }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);

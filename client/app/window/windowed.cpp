@@ -33,7 +33,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     WindowPanel panel(window, *session.panel, options.panel);
     Compositor compositor(window.width(), window.height(), options.drawing_quality());
     compositor.bake_in_background();
-    spdlog::info("drawing with {}, quality {}", render::driver_name(), compositor.quality().name);
+    spdlog::info("rendering with {}, quality {}", render::driver_name(), compositor.quality().name);
     std::uint64_t frames = 0;
     auto served_at = std::chrono::steady_clock::now();
     while (window.open() && !stop_requested() && (options.frames == 0 || frames < options.frames)) {
@@ -45,7 +45,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         // A server that is present but still builds its patient may exceed any timeout.
         served_at = session.input.server_on_bus() ? now : served_at;
         if (options.wait_s && now - served_at > std::chrono::duration<double>(*options.wait_s)) {
-            throw bus::BusError(fmt::format("no server for {} s (--wait): {}", *options.wait_s,
+            throw bus::BusError(fmt::format("no server found for {} s (--wait): {}", *options.wait_s,
                                             bus::missing_server_message(options.bus)));
         }
         for (const KeyEvent& event : window.take_keys()) {
@@ -79,7 +79,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
         }
         session.input.publish_eye(session.scene, session.controls.vantage().eye);
         if (session.scene.complete() && ++frames == 1) {
-            spdlog::info("shows the patient");
+            spdlog::info("showing the patient");
         }
         // Without vertical sync the loop would occupy every core with the same picture.
         std::this_thread::sleep_until(next_frame);

@@ -14,11 +14,11 @@ namespace {
 const char* cause_of(GLenum status) {
     switch (status) {
         case GL_GUILTY_CONTEXT_RESET:
-            return "by what this program drew";
+            return "caused by this program";
         case GL_INNOCENT_CONTEXT_RESET:
-            return "by another program";
+            return "caused by another program";
         default:
-            return "for a reason that it does not tell";
+            return "for an unknown reason";
     }
 }
 
@@ -37,11 +37,11 @@ void ContextLossMonitor::throw_if_lost() const {
                           : reset_query_ == ResetQuery::arb ? glGetGraphicsResetStatusARB()
                                                             : GL_NO_ERROR;
     if (status != GL_NO_ERROR) {
-        throw std::runtime_error(fmt::format(
-            "the graphics card was reset, {}: nothing can be drawn any more. Start this program again; if it "
-            "comes back, update the driver, take a lower --quality, or draw with the processor "
-            "(LIBGL_ALWAYS_SOFTWARE=1).",
-            cause_of(status)));
+        throw std::runtime_error(
+            fmt::format("the graphics card was reset, {}: rendering cannot continue. Start this program "
+                        "again; if it happens again, update the driver, choose a lower --quality, or render "
+                        "in software (LIBGL_ALWAYS_SOFTWARE=1).",
+                        cause_of(status)));
     }
 }
 

@@ -72,10 +72,10 @@ HeadlessContext::HeadlessContext() : display_(open_display()) {
             eglDestroyContext(display_, context_);
         }
         eglTerminate(display_);
-        throw std::runtime_error(fmt::format(
-            "the EGL driver gives no OpenGL 3.3 core context (error {:#x}). Install a newer driver, e.g. "
-            "Debian's libgl1-mesa-dri.",
-            error));
+        throw std::runtime_error(
+            fmt::format("the EGL driver does not provide an OpenGL 3.3 core context (error {:#x}). Install a "
+                        "newer driver, e.g. Debian's libgl1-mesa-dri.",
+                        error));
     }
 }
 

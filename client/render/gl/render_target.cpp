@@ -28,9 +28,9 @@ void require_complete(GLuint framebuffer, int width, int height) {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     const GLenum state = glCheckFramebufferStatus(GL_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
-        throw std::runtime_error(
-            fmt::format("the OpenGL driver gives no {} x {} picture (state {:#x}). Choose a smaller --size.",
-                        width, height, state));
+        throw std::runtime_error(fmt::format(
+            "the OpenGL driver cannot create a {} x {} framebuffer (status {:#x}). Choose a smaller --size.",
+            width, height, state));
     }
 }
 

@@ -31,7 +31,8 @@ ShadowMap::ShadowMap(int size, OutsideShadowMap beyond) : size_(size) {
     const GLenum state = glCheckFramebufferStatus(GL_FRAMEBUFFER);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
-        throw std::runtime_error("the OpenGL driver gives no depth texture; it does not support OpenGL 3.3");
+        throw std::runtime_error(
+            "the OpenGL driver cannot render to a depth texture; it does not support OpenGL 3.3");
     }
 }
 

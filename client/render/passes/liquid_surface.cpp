@@ -42,7 +42,7 @@ void attach_colour(const Framebuffer& target, const Texture& texture) {
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
         throw std::runtime_error(
-            "the OpenGL driver draws into no floating-point texture; it does not support OpenGL 3.3");
+            "the OpenGL driver cannot render to a floating-point texture; it does not support OpenGL 3.3");
     }
 }
 

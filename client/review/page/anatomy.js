@@ -26,8 +26,8 @@ export function anatomySection(sessions, seek) {
     element("div", { class: "bar screen" }, play, slider, clock,
       element("label", {}, section, " section in the midline"), views, sessions.length > 1 ? choice : null),
     stage,
-    element("p", { class: "soft" }, "Blue: the way of the blade's tip; brown: of the tube's. ",
-      element("span", { class: "screen" }, "Drag to turn, wheel or two fingers to come nearer.")),
+    element("p", { class: "soft" }, "Blue: path of the blade's tip; brown: path of the tube's tip. ",
+      element("span", { class: "screen" }, "Drag to rotate; wheel or pinch to zoom.")),
     gallery);
 
   let viewer = null;
@@ -80,7 +80,7 @@ export function anatomySection(sessions, seek) {
       viewer = new Viewer(anatomy, Math.max(260, stage.clientWidth), Math.max(240, stage.clientHeight));
     } catch {
       viewer = null;
-      stage.textContent = "This browser shows no WebGL, so there is no 3-D view. Numbers and charts are complete.";
+      stage.textContent = "This browser does not support WebGL, so there is no 3-D view. Numbers and charts are complete.";
       return;
     }
     const paths = [[], []];

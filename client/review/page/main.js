@@ -30,7 +30,7 @@ if (data.sessions.some((session) => session.ratings.length + session.answers.len
   page.append(opinions(data.sessions));
 }
 page.append(element("p", { class: "soft" },
-  `NeoETI ${data.program}. Not a medical device; does not certify skill. This page fetches nothing and sends nothing.`));
+  `NeoETI ${data.program}. Not a medical device; does not certify skill. This page makes no network connections.`));
 timeline.draw();
 anatomy.draw();
 document.documentElement.dataset.ready = "yes";

@@ -29,7 +29,7 @@ export function outcomes({ sessions }) {
         `${session.file}; session ${session.session}, ${session.start_time}, ${session.duration_s.toFixed(1)} s` +
         `${how(session)}; recorded by version ${session.version}`));
     if (session.lost_records > 0) {
-      column.append(element("p", {}, `${session.lost_records} records are lost, because the disk could not follow.`));
+      column.append(element("p", {}, `${session.lost_records} records were lost, because the disk was too slow.`));
     }
     for (const attempt of session.attempts) {
       column.append(element("p", { class: "attempt" }, outcomeLight(attempt),
@@ -57,7 +57,7 @@ export function practice({ sessions, fields }, seek) {
       element("div", { class: "soft" }, `Aim: ${aimOf(field, fields)}. Measured: ${field.definition}.`)));
   }
   section.append(session.practise.length > 0
-    ? list : element("p", {}, "Every aim that was measured is reached."));
+    ? list : element("p", {}, "All measured aims are reached."));
   return section;
 }
 
@@ -81,13 +81,13 @@ export function scores({ sessions }) {
       element("p", {}, outcomeLight(session.run), " ", outcomeWord(session.run)),
       element("p", { class: "soft" }, score.statement),
       element("table", {}, element("tbody", {}, ...shown.map((one) => element("tr", { "data-contribution": one.key },
-        element("td", {}, one.label + (one.measured ? "" : ": not reached, so it counts as the worst")),
+        element("td", {}, one.label + (one.measured ? "" : ": not reached, counted as the worst value")),
         element("td", { class: "number" }, `${one.log_odds < 0 ? "−" : "+"}${Math.abs(one.log_odds).toFixed(2)}`))))),
       element("p", { class: "soft" }, small > 0 ? `${small} more contribute less than ${worthListing} each.` : ""));
   });
   return element("section", { id: "score" }, element("h2", {}, "Automatic score"),
-    element("p", { class: "soft" }, "What each parameter and the outcome contribute, in log odds of a better grade: above 0 it ",
-      "speaks for the session, against the average of those that the score learnt from. They add up to the score."),
+    element("p", { class: "soft" }, "Contributions of each metric and the outcome, in log odds of a better grade. A positive value ",
+      "means better than the average of the training sessions. They add up to the score."),
     columns);
 }
 
@@ -98,12 +98,12 @@ export function parameterTable({ sessions, fields }) {
   const columns = alone && first.attempts.length > 0
     ? [["Run", first.run], ...first.attempts.map((one) => [`Attempt ${one.attempt}`, one])]
     : sessions.map((session, index) => [sessionName(session, index, sessions.length), session.run]);
-  const head = element("tr", {}, element("th", {}, "Parameter"), element("th", {}, "Unit"),
+  const head = element("tr", {}, element("th", {}, "Metric"), element("th", {}, "Unit"),
     ...columns.map(([name]) => element("th", { class: "number" }, name)), element("th", {}, "Aim and its source"));
   const body = element("tbody");
   for (const inPaper of [true, false]) {
     body.append(element("tr", { class: "part" }, element("th", { colspan: columns.length + 3 },
-      inPaper ? "Parameters of Xiao et al. 2020" : "Beyond the paper")));
+      inPaper ? "Metrics of Xiao et al. 2020" : "Beyond the paper")));
     fields.forEach((field, row) => {
       if (field.in_paper !== inPaper) {
         return;
@@ -124,9 +124,9 @@ export function parameterTable({ sessions, fields }) {
         element("td", { class: "aim soft" }, aimOf(field, fields))));
     });
   }
-  return element("section", { id: "parameters" }, element("h2", {}, "Parameters"),
-    element("p", { class: "soft" }, "A light says how a value stands to its aim: reached, near or missed. Where nothing is ",
-      "known to aim at there is none. A name's definition shows when the pointer rests on it."),
+  return element("section", { id: "parameters" }, element("h2", {}, "Metrics"),
+    element("p", { class: "soft" }, "A light shows whether a value reaches its aim, is near it or misses it. Metrics without a ",
+      "known aim have none. Point at a name to see its definition."),
     element("div", { class: "wide" }, element("table", {}, element("thead", {}, head), body)));
 }
 

@@ -17,9 +17,9 @@ export class Timeline {
     this.now = null;
     this.charts = [];
     this.place = element("div", { class: "charts" });
-    this.section = element("section", { id: "timeline" }, element("h2", {}, "Time line"),
+    this.section = element("section", { id: "timeline" }, element("h2", {}, "Timeline"),
       element("p", { class: "soft screen" },
-        "Drag over a part to see it larger, double-click to see all; a click shows that moment in 3-D. ",
+        "Drag to zoom in, double-click to zoom out; click to show a moment in 3-D. ",
         "Thin lines are events of the first session."),
       this.place);
   }

@@ -33,16 +33,16 @@ Form load_form(const std::filesystem::path& file) {
         question.high = entry.text("high", "");
         if (question.name.empty() || question.ask.empty()) {
             entry.refuse(question.name.empty() ? "name" : "ask", "nothing",
-                         "a question has a name and a text to ask");
+                         "a question with a name and a text");
         }
         if (std::ranges::find(form.questions, question.name, &Form::Question::name) != form.questions.end()) {
-            entry.refuse("name", question.name, "a name of its own for each question");
+            entry.refuse("name", question.name, "a different name for each question");
         }
         entry.finish();
         form.questions.push_back(std::move(question));
     }
     if (form.questions.empty()) {
-        root.refuse("questions", "none", "a list of at least one question");
+        root.refuse("questions", "none", "a list with at least one question");
     }
     root.finish();
     return form;
@@ -60,7 +60,7 @@ std::string expected_answer(const Form::Question& question) {
         case Form::Kind::words:
             break;
     }
-    return fmt::format("words, at most {} bytes", longest_answer);
+    return fmt::format("text, at most {} bytes", longest_answer);
 }
 
 bool is_valid_answer(const Form::Question& question, const std::string& answer) {
@@ -92,7 +92,7 @@ std::vector<session::Answer> load_answers(const Form& form, const std::filesyste
     }
     root.finish();
     if (answers.empty()) {
-        throw InputError(fmt::format("{}: no answers; expected is at least one, such as '{}: ...'",
+        throw InputError(fmt::format("{}: no answers; expected at least one, such as '{}: ...'",
                                      file.string(), form.questions.front().name));
     }
     return answers;

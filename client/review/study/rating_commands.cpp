@@ -27,12 +27,12 @@ void print(const ordered_json& json) {
 std::optional<std::string> ask(const Form::Question& question) {
     for (;;) {
         std::cout << question.ask << "\n  " << expected_answer(question)
-                  << ", Enter alone leaves it out: " << std::flush;
+                  << ", Enter skips it: " << std::flush;
         std::optional<std::string> line = read_line();
         if (!line || line->empty() || is_valid_answer(question, *line)) {
             return line;
         }
-        std::cout << fmt::format("  '{}' is no answer to this question.\n", line->substr(0, 60));
+        std::cout << fmt::format("  '{}' is not a valid answer to this question.\n", line->substr(0, 60));
     }
 }
 
@@ -49,46 +49,45 @@ Command add_rate(CommandLine& app) {
         std::vector<std::string> scores;
     };
     const auto options = std::make_shared<Options>();
-    CommandLine command = app.add_subcommand(
-        "rate", "Put an instructor's ratings into a session file, or print those that it holds");
+    CommandLine command =
+        app.add_subcommand("rate", "Add an instructor's ratings to a session file, or print those in it");
     command.add_option("FILE", options->file, "Session file").required();
     const Option rater =
-        command.add_option("--rater", options->rater, "Who rates; a pseudonym, the same for each session");
+        command.add_option("--rater", options->rater, "Rater's pseudonym, the same for each session");
     command
-        .add_option(
-            "--score", options->scores,
-            "ITEM=SCORE, 1 (worst) to 5 (best), several times; replaces what this rater gave the item before")
+        .add_option("--score", options->scores,
+                    "ITEM=SCORE, 1 (worst) to 5 (best), may be repeated; replaces this rater's earlier score "
+                    "of the item")
         .needs(rater)
         .type_name("ITEM=1..5");
-    return {
-        command, [options](bool json) {
-            if (!options->rater.empty() || !options->scores.empty()) {
-                require_name("--rater", options->rater);
-                std::vector<session::Rating> ratings;
-                for (const std::string& text : options->scores) {
-                    ratings.push_back(parse_rating(text, options->rater));
+    return {command, [options](bool json) {
+                if (!options->rater.empty() || !options->scores.empty()) {
+                    require_name("--rater", options->rater);
+                    std::vector<session::Rating> ratings;
+                    for (const std::string& text : options->scores) {
+                        ratings.push_back(parse_rating(text, options->rater));
+                    }
+                    if (ratings.empty()) {
+                        throw RatingError("--rater: no scores; expected at least one --score ITEM=1..5");
+                    }
+                    session::add_ratings(options->file, ratings);
                 }
-                if (ratings.empty()) {
-                    throw RatingError("--rater: nothing to rate; expected is at least one --score ITEM=1..5");
+                const auto ratings = session::read_ratings(session::SessionReader(options->file).root());
+                if (json) {
+                    print({{"file", options->file}, {"ratings", ratings_json(ratings)}});
+                    return 0;
                 }
-                session::add_ratings(options->file, ratings);
-            }
-            const auto ratings = session::read_ratings(session::SessionReader(options->file).root());
-            if (json) {
-                print({{"file", options->file}, {"ratings", ratings_json(ratings)}});
+                for (const session::Rating& rating : ratings) {
+                    std::cout << fmt::format("{:<24}{:<24}{}\n", rating.rater, rating.item, rating.score);
+                }
                 return 0;
-            }
-            for (const session::Rating& rating : ratings) {
-                std::cout << fmt::format("{:<24}{:<24}{}\n", rating.rater, rating.item, rating.score);
-            }
-            return 0;
-        }};
+            }};
 }
 
 Command add_agreement(CommandLine& app) {
     const auto files = std::make_shared<std::vector<std::filesystem::path>>();
     CommandLine command = app.add_subcommand(
-        "agreement", "How far instructors agree who rated the same sessions: intraclass correlations");
+        "agreement", "Agreement of instructors who rated the same sessions: intraclass correlations");
     command.add_option("FILE", *files, "Session files with ratings").required();
     return {command, [files](bool json) {
                 constexpr double level = 0.95;
@@ -110,12 +109,12 @@ Command add_questionnaire(CommandLine& app) {
     const auto options = std::make_shared<Options>();
     CommandLine command = app.add_subcommand(
         "questionnaire",
-        "Ask the participant, on the terminal or by a file, and put the answers into the session file");
+        "Ask the participant, on the terminal or from a file, and store the answers in the session file");
     command.add_option("FILE", options->file, "Session file");
     command.add_option("--form", options->form, "Form by name or path").capture_default_str();
     command.add_option("--answers", options->answers,
-                       "YAML file with an answer in each line, NAME: ANSWER, instead of asking");
-    command.add_flag("--show", options->show, "Print the form and end");
+                       "YAML file with one answer per line, NAME: ANSWER, instead of asking");
+    command.add_flag("--show", options->show, "Print the form and exit");
     return {command, [options](bool json) {
                 const Form form = load_form(find_data_file(options->form, "forms"));
                 if (options->show) {
@@ -123,7 +122,7 @@ Command add_questionnaire(CommandLine& app) {
                     return 0;
                 }
                 if (options->file.empty()) {
-                    throw RatingError("questionnaire: no session file; expected is one, or --show");
+                    throw RatingError("questionnaire: no session file; expected one, or --show");
                 }
                 (void)session::SessionReader(options->file);  // check the file before asking questions
                 std::vector<session::Answer> answers;
@@ -134,8 +133,7 @@ Command add_questionnaire(CommandLine& app) {
                     for (const Form::Question& question : form.questions) {
                         const auto answer = ask(question);
                         if (!answer) {
-                            std::cerr << "\neti-review: the questions were not answered to their end; "
-                                         "nothing is saved\n";
+                            std::cerr << "\neti-review: not all questions were answered; nothing was saved\n";
                             return interrupted;
                         }
                         if (!answer->empty()) {

@@ -30,9 +30,8 @@ std::string with_interval(double value, const Interval& interval) {
 void require_name(const std::string& option, const std::string& name) {
     const bool clean = std::ranges::none_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     if (name.empty() || name.size() > longest_name || !clean) {
-        throw RatingError(fmt::format("{}: {} bytes{}; expected are 1 to {}, and no control characters",
-                                      option, name.size(), clean ? "" : " with control characters",
-                                      longest_name));
+        throw RatingError(fmt::format("{}: {} bytes{}; expected 1 to {}, without control characters", option,
+                                      name.size(), clean ? "" : " with control characters", longest_name));
     }
 }
 
@@ -46,8 +45,8 @@ session::Rating parse_rating(const std::string& text, const std::string& rater) 
     if (!word || score.size() != 1 || score[0] < '0' + session::lowest_score ||
         score[0] > '0' + session::highest_score) {
         throw RatingError(
-            fmt::format("--score '{}': expected is ITEM=SCORE, an item of letters, digits, _ and -, and a "
-                        "score from {} (worst) to {} (best), such as overall=4",
+            fmt::format("--score '{}': expected ITEM=SCORE, an item of letters, digits, _ and -, and a score "
+                        "from {} (worst) to {} (best), such as overall=4",
                         text.substr(0, 60), session::lowest_score, session::highest_score));
     }
     return {rater, item, static_cast<std::uint8_t>(score[0] - '0'), session::utc_now()};
@@ -69,7 +68,7 @@ std::vector<ItemAgreement> rater_agreement(const std::vector<std::filesystem::pa
     }
     if (items.empty()) {
         throw RatingError(
-            fmt::format("{} files hold no rating; expected are some: eti-review rate FILE --rater NAME "
+            fmt::format("{} files contain no rating; add ratings with: eti-review rate FILE --rater NAME "
                         "--score ITEM=1..5",
                         files.size()));
     }
@@ -102,10 +101,11 @@ std::string to_table(const std::vector<ItemAgreement>& items) {
                            with_interval(one.value.single, one.value.single_interval),
                            with_interval(one.value.mean, one.value.mean_interval));
         if (one.left_out > 0) {
-            out += fmt::format("  left out: {} sessions that not all of its raters rated\n", one.left_out);
+            out += fmt::format("  excluded: {} sessions without a score by each rater of the item\n",
+                               one.left_out);
         }
         if (!std::isfinite(one.value.single)) {
-            out += "  no value: it takes two raters, two sessions that both rated, and scores that differ\n";
+            out += "  no value: requires two raters, two sessions rated by both, and scores that differ\n";
         }
     }
     return out + "ICC: agreement of one rater (2,1) and of the raters' mean (2,k), with 95 % intervals.\n";

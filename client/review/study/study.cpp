@@ -43,13 +43,13 @@ void read_conditions(YamlMap& root, Study& study, const std::filesystem::path& f
         if (!is_word(name) ||
             std::ranges::find(study.conditions, name, &Study::Condition::name) != study.conditions.end()) {
             entry.refuse("name", name,
-                         "a word of its own for each condition: letters, digits, '_', '-' and '.'");
+                         "a different word for each condition: letters, digits, '_', '-' and '.'");
         }
         entry.finish();
         study.conditions.push_back({name, scenario});
     }
     if (study.conditions.empty()) {
-        root.refuse("conditions", "none", "a list of at least one condition");
+        root.refuse("conditions", "none", "a list with at least one condition");
     }
 }
 
@@ -61,13 +61,13 @@ void read_participants(YamlMap& root, Study& study, std::uint64_t seed) {
         for (const char* key : {"skill", "skill_to", "attempts"}) {
             if (one.operator_.empty() && entry.has(key)) {
                 entry.refuse(key, "a value for people",
-                             "it beside 'operator'; people have a skill of their own");
+                             "it beside 'operator'; human participants have their own skill");
             }
         }
         const float skill = entry.number("skill", 1.0f, {0, 1});
         const float skill_to = entry.number("skill_to", skill, {0, 1});
         if (entry.has("skill_to") && !entry.has("skill")) {
-            entry.refuse("skill_to", "a value without 'skill'", "both, or 'skill' alone");
+            entry.refuse("skill_to", "a value without 'skill'", "both, or only 'skill'");
         }
         if (entry.has("attempts")) {
             one.attempts = entry.whole("attempts", 1, 1, max_attempts);
@@ -104,7 +104,7 @@ void read_expectations(YamlMap& root, Study& study) {
         one.measure = entry.name("measure", "");
         if (std::ranges::find(measures(), one.measure, &Measure::key) == measures().end()) {
             entry.refuse("measure", one.measure,
-                         "the key of a parameter, as docs/metrics.md lists them, or success_percent");
+                         "the key of a metric as listed in docs/metrics.md, or success_percent");
         }
         one.source = entry.text("source", "");
         if (entry.has("group")) {
@@ -239,7 +239,8 @@ std::string expected_text(const Expectation& expected) {
 }  // namespace
 
 std::string to_table(const std::vector<ExpectationResult>& verdicts) {
-    std::string out = fmt::format("  {:<28}{:<36}{:<28}\n", "Held to what is published", "expected", "found");
+    std::string out =
+        fmt::format("  {:<28}{:<36}{:<28}\n", "Compared with published results", "expected", "found");
     for (const ExpectationResult& verdict : verdicts) {
         out +=
             fmt::format("  {:<28}{:<36}{:<28}{}\n", verdict.expected.measure, expected_text(verdict.expected),
@@ -280,9 +281,9 @@ std::string to_html(const std::vector<ExpectationResult>& verdicts) {
                         html_text(verdict.expected.source));
     }
     return rows.empty() ? ""
-                        : "<h2>Held to what is published</h2>\n<div "
-                          "class=\"wide\"><table>\n<tr><th>Measure</th><th>expected"
-                          "</th><th>found</th><th></th><th>source</th></tr>\n" +
+                        : "<h2>Compared with published results</h2>\n<div "
+                          "class=\"wide\"><table>\n<tr><th>Measure</th><th>expected</th><th>found</th><th></"
+                          "th><th>source</th></tr>\n" +
                               rows + "</table></div>\n";
 }
 

@@ -34,20 +34,20 @@ Command add_compare(CommandLine& app) {
         "compare", "Compare groups of sessions: means, differences with intervals, effect sizes");
     command
         .add_option("--group", options->groups,
-                    "A group's name, then its session files; given for each of the groups, at least two")
+                    "A group's name followed by its session files; give at least two groups")
         .required()
         .type_name("NAME FILE");
     command.add_flag("--paired", options->paired,
                      "Every participant has a session in each group: compare within participants");
     command
-        .add_number("--resamples", options->how.resamples, "Draws of the bootstrap",
+        .add_number("--resamples", options->how.resamples, "Number of bootstrap resamples",
                     {fewest_resamples, most_resamples})
         .capture_default_str();
-    command.add_number("--seed", options->how.seed, "Of the bootstrap", {0}).capture_default_str();
-    command.add_option("--csv", options->csv, "Also write a row for each session to this file");
-    command.add_option("--html", options->html, "Also write the comparison as a page to this file");
+    command.add_number("--seed", options->how.seed, "Seed of the bootstrap", {0}).capture_default_str();
+    command.add_option("--csv", options->csv, "Also write a CSV file with one row per session");
+    command.add_option("--html", options->html, "Also write the comparison as an HTML page to this file");
     command.add_option("--expect", options->expect,
-                       "Hold the comparison to what this study, by name or path, expects of its conditions");
+                       "Compare the results with the expectations of this study, by name or path");
     return {
         command, [options](bool json) {
             const auto expectations =
@@ -57,10 +57,10 @@ Command add_compare(CommandLine& app) {
             std::size_t count = 0, read = 0;
             for (const std::vector<std::string>& group : options->groups) {
                 if (group.size() < 2) {
-                    throw ComparisonError(fmt::format(
-                        "--group {}: no files; expected are a name and at least one session file: "
-                        "--group NAME FILE...",
-                        group.empty() ? "" : group.front()));
+                    throw ComparisonError(
+                        fmt::format("--group {}: no files; expected a name and at least one session file: "
+                                    "--group NAME FILE...",
+                                    group.empty() ? "" : group.front()));
                 }
                 files.emplace_back(group.front(),
                                    std::vector<std::filesystem::path>(group.begin() + 1, group.end()));
@@ -106,15 +106,14 @@ Command add_anonymise(CommandLine& app) {
         std::string file, out, participant;
     };
     const auto options = std::make_shared<Options>();
-    CommandLine command = app.add_subcommand(
-        "anonymise", "Write a copy of a session that does not say who took part, where and when");
-    command.add_option("FILE", options->file, "Session file; stays as it is").required();
-    command.add_option("--out", options->out, "The new file").required();
-    command.add_option("--participant", options->participant, "A new pseudonym; without it there is none");
+    CommandLine command =
+        app.add_subcommand("anonymise", "Write a copy of a session without participant, place and time");
+    command.add_option("FILE", options->file, "Session file; left unchanged").required();
+    command.add_option("--out", options->out, "File to write").required();
+    command.add_option("--participant", options->participant, "New pseudonym; without it the copy has none");
     command.footer(
-        "Measured series stay as they are, to the bit. Texts of scenario and operator stay as they were "
-        "written, as the "
-        "session is simulated again from them: look whether their comments name anybody.");
+        "Measured series are copied bit by bit. The texts of scenario and operator are kept as well, since "
+        "resimulation needs them: check that their comments name no person.");
     return {command, [options](bool json) {
                 if (!options->participant.empty()) {
                     require_name("--participant", options->participant);

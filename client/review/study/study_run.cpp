@@ -62,11 +62,10 @@ class Claim {
         lock.l_len = 1;
         held_ = file_ && ::fcntl(file_.get(), F_OFD_SETLK, &lock) == 0;
         if (!held_ && (!file_ || (errno != EAGAIN && errno != EACCES))) {
-            throw InputError(
-                fmt::format("{}: cannot be locked ({}), so another process might run the same "
-                            "session; expected is a file that may be written, in a folder that "
-                            "knows locks: choose one with --out",
-                            lock_file.string(), std::strerror(errno)));
+            throw InputError(fmt::format(
+                "{}: cannot be locked ({}), so another process might run the same session; expected a "
+                "writable file on a file system that supports locks: choose another folder with --out",
+                lock_file.string(), std::strerror(errno)));
         }
     }
 
@@ -132,11 +131,10 @@ void keep_study(const Study& study, const std::filesystem::path& folder) {
     if (!std::filesystem::exists(kept, ignored)) {
         write_file(kept, study.text, "--out");
     } else if (read_text_file(kept) != study.text) {
-        throw InputError(
-            fmt::format("{}: the study in this folder is not the one that was given; expected is the same to "
-                        "the letter, as its "
-                        "sessions belong together: give {} itself, or choose another folder with --out",
-                        kept.string(), kept.string()));
+        throw InputError(fmt::format(
+            "{}: the study in this folder differs from the given one; expected an identical file, as its "
+            "sessions belong together: give {} itself, or choose another folder with --out",
+            kept.string(), kept.string()));
     }
 }
 
@@ -173,7 +171,7 @@ std::vector<std::string> server_arguments(const PlannedSession& session, const S
 
 /// Whether the participant is ready.
 bool ready(const PlannedSession& session) {
-    std::cout << fmt::format("{}: condition {} ({}). Enter begins, q and Enter ends: ",
+    std::cout << fmt::format("{}: condition {} ({}). Enter starts it, q and Enter quits: ",
                              session.participant->name, session.condition->name, session.condition->scenario)
               << std::flush;
     const auto line = read_line();
@@ -191,7 +189,7 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
     if (!how.participant.empty() &&
         std::ranges::find(study.participants, how.participant, &Study::Participant::name) ==
             study.participants.end()) {
-        throw InputError(fmt::format("--participant {}: not in the study; expected is one of {} to {}",
+        throw InputError(fmt::format("--participant {}: not in the study; expected one of {} to {}",
                                      how.participant, study.participants.front().name,
                                      study.participants.back().name));
     }
@@ -245,7 +243,7 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
         }
         if (!claim.held() || progress.state(i) == State::recorded_now) {
             std::cerr << fmt::format(
-                "eti-review: session {} of {} ({}, {}) is being recorded by another process, and is left to "
+                "eti-review: session {} of {} ({}, {}) is being recorded by another process and is left to "
                 "it\n",
                 i + 1, count, session.participant->name, session.condition->name);
             continue;
@@ -271,9 +269,8 @@ int run_study(const Study& study, const StudyRun& how, bool json) {
         // The exit status says whether the trachea was intubated, which the file also contains.
         if (progress.state(i) != State::done) {
             std::cerr << fmt::format(
-                "eti-review: session {} of {} ({}, {}) ended with status {} and without a whole record; see "
-                "what "
-                "eti-server said above, and start the study again\n",
+                "eti-review: session {} of {} ({}, {}) ended with status {} and an incomplete recording; see "
+                "eti-server's messages above, and start the study again\n",
                 i + 1, count, session.participant->name, session.condition->name, status);
             return end(status == no_server ? no_server : 1);
         }

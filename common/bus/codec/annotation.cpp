@@ -43,7 +43,7 @@ std::optional<Annotation> decode_annotation(const msg::ShownAnnotation& message,
     for (const msg::SurfacePlace& place : sent.places()) {
         out.places.push_back(from_msg(place));
         if (!out.places.back().is_valid()) {
-            why = "a place that is not on its triangle";
+            why = "a position outside its triangle";
             return std::nullopt;
         }
     }

@@ -24,7 +24,7 @@ std::optional<AttemptReport> decode_attempt(const msg::AttemptSummary& message, 
                                             std::string& why) {
     // NaN marks values that an attempt does not have.
     if (std::ranges::any_of(message.parameters(), [](double value) { return std::isinf(value); })) {
-        why = "an infinite parameter";
+        why = "an infinite metric";
         return std::nullopt;
     }
     AttemptReport report;

@@ -61,7 +61,8 @@ bool read_mesh(const msg::SceneDescription& message, TriangleMesh& mesh, std::st
         const Triangle triangle{flat[i], flat[i + 1], flat[i + 2]};
         for (const std::uint32_t index : triangle) {
             if (index >= mesh.vertices.size()) {
-                why = fmt::format("triangle {} names vertex {} of {}", i / 3, index, mesh.vertices.size());
+                why =
+                    fmt::format("triangle {} refers to vertex {} of {}", i / 3, index, mesh.vertices.size());
                 return false;
             }
         }
@@ -72,7 +73,7 @@ bool read_mesh(const msg::SceneDescription& message, TriangleMesh& mesh, std::st
 
 bool read_tissues(const msg::SceneDescription& message, RestSurface& surface, std::string& why) {
     if (message.tissue() >= tissue_count) {
-        why = fmt::format("tissue {}; there are {}", message.tissue(), tissue_count);
+        why = fmt::format("tissue {} of {}", message.tissue(), tissue_count);
         return false;
     }
     surface.tissue = static_cast<Tissue>(message.tissue());
@@ -89,7 +90,7 @@ bool read_tissues(const msg::SceneDescription& message, RestSurface& surface, st
     surface.triangle_tissue.reserve(octets.size());
     for (const std::uint8_t octet : octets) {
         if (octet >= tissue_count) {
-            why = fmt::format("triangle tissue {}; there are {}", octet, tissue_count);
+            why = fmt::format("triangle tissue {} of {}", octet, tissue_count);
             return false;
         }
         surface.triangle_tissue.push_back(static_cast<Tissue>(octet));
@@ -176,7 +177,7 @@ std::optional<SceneObject> decode_scene_object(const msg::SceneDescription& mess
                 return std::nullopt;
             }
             if (rest_centres.size() > 65536) {
-                why = fmt::format("{} frames; an index has 16 bits", rest_centres.size());
+                why = fmt::format("{} frames, but an index has 16 bits", rest_centres.size());
                 return std::nullopt;
             }
             return rest_centres;

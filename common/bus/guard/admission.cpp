@@ -146,9 +146,8 @@ bool Admission::silent(const ParticipantId& participant) const {
 
 std::string Admission::name_of(const ParticipantId& participant) const {
     const auto known = candidates_.find(participant);
-    return known != candidates_.end() && !known->second.name.empty()
-               ? known->second.name
-               : "a participant that does not introduce itself";
+    return known != candidates_.end() && !known->second.name.empty() ? known->second.name
+                                                                     : "an anonymous participant";
 }
 
 void Admission::choose_owner() {
@@ -214,16 +213,17 @@ void Admission::reevaluate() {
             second = id.participant;
         } else if (candidates_.contains(id.participant) && !writer.lost && log_lines_.size() < most_news &&
                    reported_.insert(id.participant).second) {
-            log_lines_.push_back(fmt::format(
-                "{} writes {}, which is {}: not listened to", name_of(id.participant), writer.topic,
-                writer.source == WriterPolicy::exclusive ? "another's while that one is heard"
-                                                         : "the server's alone to write"));
+            log_lines_.push_back(fmt::format("{} writes {}, which is {}: ignored", name_of(id.participant),
+                                             writer.topic,
+                                             writer.source == WriterPolicy::exclusive
+                                                 ? "reserved for another writer while that one is active"
+                                                 : "reserved for the server"));
         }
     }
     if (second.has_value() != contested_.load() && log_lines_.size() < most_news) {
         log_lines_.push_back(
-            second ? fmt::format("{} writes this session's status beside its server{}: it is not listened "
-                                 "to, and forces are off until it is gone",
+            second ? fmt::format("{} writes this session's status in addition to its server{}: it is "
+                                 "ignored, and forces are off until it has left",
                                  name_of(*second), owner_ ? fmt::format(" {}", name_of(*owner_)) : "")
                    : "the session has one server again");
     }

@@ -40,9 +40,9 @@ struct Chain final : transport::ChainingTransportDescriptor {
 /// Threads that wait for the library would wait forever, so the program cannot shut down in order.
 void exit_on_watchdog() {
     bus_log().critical(
-        "the DDS library has not come back from a datagram for {} s: this program ends; forces "
-        "faded when it fell silent, and a session file keeps what was written. Start it again; if "
-        "this goes on, somebody sends hostile datagrams (docs/network.md)",
+        "the DDS library has been processing one datagram for {} s: this program exits; forces have faded, "
+        "and a session file keeps what was written. Start it again; if this recurs, hostile datagrams are "
+        "being sent (docs/network.md)",
         watchdog_timeout.count());
     bus_log().flush();
     std::_Exit(exit_watchdog);
@@ -91,7 +91,7 @@ class ReceiveFilter final : public transport::ChainingTransport {
 
     void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
                  const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
-        std::string_view fault = "is not sound RTPS";
+        std::string_view fault = "is not well-formed RTPS";
         bool by_admission = false;
         std::vector<Bytes> type_descriptions;
         const auto refused = [&](const WriterSubmessage& written) {
@@ -101,7 +101,7 @@ class ReceiveFilter final : public transport::ChainingTransport {
             }
             const bool from_owner = ask_.admission->owner() == written.writer.participant;
             if (written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to, from_owner)) {
-                fault = "says of its writer more samples than it can have written";
+                fault = "claims more samples than its writer can have written";
                 return true;
             }
             if (written.fragments &&
@@ -176,9 +176,8 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
                                transport::UDPv6TransportDescriptor>();
     if (!out) {
         throw BusError(fmt::format(
-            "{}: names a transport that is neither UDP nor shared memory; use one of these. Over "
-            "TCP this release of the DDS library crashes: a network that lets no UDP through needs "
-            "a tunnel for it (docs/network.md)",
+            "{}: names a transport that is neither UDP nor shared memory; use one of these. This release of "
+            "the DDS library crashes over TCP: a network that blocks UDP needs a tunnel (docs/network.md)",
             profile));
     }
     return out;

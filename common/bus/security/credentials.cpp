@@ -45,14 +45,12 @@ Bio open(const std::filesystem::path& file) {
     std::error_code error;
     if (!std::filesystem::exists(file, error)) {
         throw CredentialError(
-            fmt::format("{}: is missing; copy the identity's whole folder as make_lab.sh made it, "
-                        "or {}",
+            fmt::format("{}: is missing; copy the identity's whole folder as make_lab.sh created it, or {}",
                         file.string(), renew_remedy));
     }
     if (const std::string kind = describe_non_regular(file); !kind.empty()) {
         throw CredentialError(fmt::format(
-            "{}: is {}, expected a file; copy the identity's whole folder as make_lab.sh made it, or "
-            "{}",
+            "{}: is {}, expected a file; copy the identity's whole folder as make_lab.sh created it, or {}",
             file.string(), kind, renew_remedy));
     }
     errno = 0;
@@ -61,8 +59,7 @@ Bio open(const std::filesystem::path& file) {
         const int reason = errno != 0 ? errno : EIO;
         ERR_clear_error();
         throw CredentialError(fmt::format(
-            "{}: cannot be read ({}); give the user who runs this program the right to, for example "
-            "with chown",
+            "{}: cannot be read ({}); give the user of this program read permission, for example with chown",
             file.string(), std::strerror(reason)));
     }
     return bio;
@@ -152,15 +149,15 @@ std::string read_signed_text(const std::filesystem::path& file, X509& authority)
     const Bio owned(content);
     if (!document) {
         throw CredentialError(
-            fmt::format("{}: is not a signed document, or was cut short ({}); expected S/MIME; {}",
+            fmt::format("{}: is not a signed document, or is truncated ({}); expected S/MIME; {}",
                         file.string(), library_reason(), renew_remedy));
     }
     const Store store = store_of(authority);
     const Bio text(BIO_new(BIO_s_mem()));
     if (PKCS7_verify(document.get(), nullptr, store.get(), content, text.get(), PKCS7_TEXT) != 1) {
         throw CredentialError(fmt::format(
-            "{}: its signature is not that of '{}' in permissions_ca.pem ({}): it was changed, "
-            "or is of another lab; {}",
+            "{}: its signature is not that of '{}' in permissions_ca.pem ({}): it was modified, or belongs "
+            "to another lab; {}",
             file.string(), subject_attribute(subject_of(authority), "CN"), library_reason(), renew_remedy));
     }
     char* bytes = nullptr;

@@ -20,7 +20,7 @@ class CredentialError : public std::runtime_error {
 };
 
 /// The remedy for a file that cannot be repaired by hand.
-inline constexpr const char* renew_remedy = "make it anew with deploy/security/make_lab.sh --renew";
+inline constexpr const char* renew_remedy = "renew it with deploy/security/make_lab.sh --renew";
 
 struct FreeCertificate {
     void operator()(X509* certificate) const { X509_free(certificate); }

@@ -18,8 +18,8 @@ void apply_identity(const Options& options, dds::DomainParticipantQos& qos,
     if (!options.discovery_servers.empty()) {
         // With Fast DDS 2.9.1 no endpoint is ever matched, whether or not the server has an identity.
         throw BusError(
-            "--identity together with --discovery-server: this version of the DDS library cannot do both; "
-            "reach the other machines by --peer ADDRESS or --network");
+            "--identity together with --discovery-server: this version of the DDS library does not support "
+            "both; reach the other machines by --peer ADDRESS or --network");
     }
     IdentityCheck check =
         check_identity(options.identity, options.session, options.domain, std::time(nullptr));
@@ -50,11 +50,11 @@ std::string endpoint_creation_error(const Options& options, std::string_view top
         const IdentityCheck check =
             check_identity(options.identity, options.session, options.domain, std::time(nullptr));
         return fmt::format(
-            "cannot {} topic {}: the permissions in {} do not allow it to '{}' (role {}); use an identity of "
-            "a role that may (docs/security.md)",
+            "cannot {} topic {}: the permissions in {} do not allow this to '{}' (role {}); use an identity "
+            "whose role does (docs/security.md)",
             verb, topic, options.identity.string(), check.name, check.role);
     }
-    return fmt::format("cannot {} topic {}: the DDS library refused it; see the lines above", verb, topic);
+    return fmt::format("cannot {} topic {}: the DDS library rejected it; see the lines above", verb, topic);
 }
 
 }  // namespace eti::bus

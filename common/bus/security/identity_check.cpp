@@ -24,14 +24,14 @@ std::string sentence_of_time(const fs::path& file, const char* what, std::time_t
                              std::time_t now) {
     if (now < from) {
         return fmt::format(
-            "{}: {} is not valid before {} UTC, and this machine's clock says {}; set the clock if it is "
-            "wrong, else wait, or {}",
+            "{}: {} is not valid before {} UTC, and this machine's clock shows {}; set the clock if it is "
+            "wrong, otherwise wait, or {}",
             file.string(), what, date_text(from), date_text(now), renew_remedy);
     }
     if (now > until) {
         return fmt::format(
-            "{}: {} expired on {} UTC, and this machine's clock says {}; set the clock if it is wrong, else "
-            "{}",
+            "{}: {} expired on {} UTC, and this machine's clock shows {}; set the clock if it is wrong, "
+            "otherwise {}",
             file.string(), what, date_text(until), date_text(now), renew_remedy);
     }
     return {};
@@ -46,7 +46,7 @@ class Examination {
         std::error_code error;
         if (!fs::is_directory(folder_, error)) {
             check_.faults.push_back(
-                fmt::format("identity {}: no such folder; give one that deploy/security/make_lab.sh made",
+                fmt::format("identity {}: no such folder; give one created by deploy/security/make_lab.sh",
                             folder_.string()));
             return check_;
         }
@@ -115,10 +115,10 @@ class Examination {
         }
         check_.authority = subject_attribute(subject_of(*authority), "CN");
         if (const std::string why = signature_error(*own, *authority); !why.empty()) {
-            check_.faults.push_back(fmt::format(
-                "{}: was not signed by '{}' of identity_ca.pem ({}): they are of two labs; copy the "
-                "identity's whole folder as make_lab.sh made it",
-                (folder_ / "certificate.pem").string(), check_.authority, why));
+            check_.faults.push_back(
+                fmt::format("{}: was not signed by '{}' of identity_ca.pem ({}): they belong to different "
+                            "labs; copy the identity's whole folder as make_lab.sh created it",
+                            (folder_ / "certificate.pem").string(), check_.authority, why));
         }
     }
 
@@ -127,10 +127,10 @@ class Examination {
         attempt([&] {
             const Key key = read_key(file);
             if (own != nullptr && X509_check_private_key(own, key.get()) != 1) {
-                throw CredentialError(fmt::format(
-                    "{}: is not the key of certificate.pem ({}); copy the identity's whole folder as "
-                    "make_lab.sh made it",
-                    file.string(), subject_of(*own)));
+                throw CredentialError(
+                    fmt::format("{}: is not the key of certificate.pem ({}); copy the identity's whole "
+                                "folder as make_lab.sh created it",
+                                file.string(), subject_of(*own)));
             }
             const auto rights = fs::status(file).permissions();
             if ((rights & (fs::perms::group_read | fs::perms::others_read)) != fs::perms::none) {
@@ -150,7 +150,7 @@ class Examination {
                 permits = read_permits(document);
             } catch (const std::runtime_error& error) {
                 throw CredentialError(
-                    fmt::format("{}: signed, but not permissions as DDS Security has them ({}); {}",
+                    fmt::format("{}: signed, but not a permissions document of DDS Security ({}); {}",
                                 file.string(), error.what(), renew_remedy));
             }
             if (own == nullptr) {
@@ -161,21 +161,21 @@ class Examination {
             if (permit == permits.end()) {
                 throw CredentialError(fmt::format(
                     "{}: grants nothing to '{}' of certificate.pem, but to '{}'; copy the identity's whole "
-                    "folder as make_lab.sh made it",
-                    file.string(), subject, permits.empty() ? "nobody" : permits.front().subject));
+                    "folder as make_lab.sh created it",
+                    file.string(), subject, permits.empty() ? "no one" : permits.front().subject));
             }
             hold_dates("permissions.p7s", "the permission", permit->from, permit->until);
             if (!permit->domain(domain)) {
-                throw CredentialError(fmt::format(
-                    "{}: does not allow domain {}; give another --domain, or make the identity anew with "
-                    "make_lab.sh --renew --domain {}",
-                    file.string(), domain, domain));
+                throw CredentialError(
+                    fmt::format("{}: does not allow domain {}; give another --domain, or renew the identity "
+                                "with make_lab.sh --renew --domain {}",
+                                file.string(), domain, domain));
             }
             if (!permit->partition(domain, partition_of(session))) {
-                throw CredentialError(fmt::format(
-                    "{}: does not allow session '{}'; give another --session, or make the identity anew with "
-                    "make_lab.sh --renew --session {}",
-                    file.string(), session, session));
+                throw CredentialError(
+                    fmt::format("{}: does not allow session '{}'; give another --session, or renew the "
+                                "identity with make_lab.sh --renew --session {}",
+                                file.string(), session, session));
             }
         });
     }

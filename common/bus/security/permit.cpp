@@ -42,7 +42,7 @@ std::time_t moment_of(const XMLElement& element) {
     parts.tm_isdst = -1;
     const std::string text = text_of(element);
     if (::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts) == nullptr) {
-        throw std::runtime_error(fmt::format("line {}: '{}' is not a date as 2026-01-31T00:00:00",
+        throw std::runtime_error(fmt::format("line {}: '{}' is not a date such as 2026-01-31T00:00:00",
                                              element.GetLineNum(), text.substr(0, 40)));
     }
     return std::mktime(&parts);

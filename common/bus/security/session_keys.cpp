@@ -60,8 +60,8 @@ class Places {
             return names.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(names, ", "));
         };
         return fmt::format(
-            "the server is of version {}, this program of {}: only the server knows {}; only this "
-            "program knows {}. The rest works",
+            "the server has version {}, this program {}: only the server knows {}; only this program knows "
+            "{}. Everything else works",
             version, ETI_VERSION, list(theirs_), list(ours_));
     }
 
@@ -95,7 +95,8 @@ bool is_length(float metres) {
 /// Why the tools are invalid; empty if they are valid.
 std::string faulty_tools(const msg::SessionDescription& m) {
     if (!is_length(m.blade_length()) || m.laryngoscope().size() != Laryngoscope().capsules.size()) {
-        return fmt::format("a blade of {} m and {} capsules", m.blade_length(), m.laryngoscope().size());
+        return fmt::format("a blade with a length of {} m and {} capsules", m.blade_length(),
+                           m.laryngoscope().size());
     }
     for (const msg::CapsuleShape& c : m.laryngoscope()) {
         if (!is_valid_point(c.a()) || !is_valid_point(c.b()) || !is_length(c.radius())) {
@@ -105,8 +106,9 @@ std::string faulty_tools(const msg::SessionDescription& m) {
     if (!is_length(m.tube_length()) || !is_length(m.tube_grip_from_tip()) ||
         !is_length(m.tube_inner_diameter()) || !is_length(m.tube_outer_diameter()) ||
         m.tube_outer_diameter() <= m.tube_inner_diameter() || !(m.tube_curve_radius() > 0.01f)) {
-        return fmt::format("a tube of {} and {} m across, {} m long, curved by {} m", m.tube_inner_diameter(),
-                           m.tube_outer_diameter(), m.tube_length(), m.tube_curve_radius());
+        return fmt::format(
+            "a tube with diameters of {} and {} m, a length of {} m and a radius of curvature of {} m",
+            m.tube_inner_diameter(), m.tube_outer_diameter(), m.tube_length(), m.tube_curve_radius());
     }
     return {};
 }
@@ -117,7 +119,7 @@ std::string faulty_row(const msg::LiveKey& key) {
                         std::isfinite(key.rate()) && std::isfinite(key.per_unit());
     return finite && key.per_unit() > 0.0f && key.low() <= key.high()
                ? std::string()
-               : fmt::format("'{}' goes from {} to {}", key.name().to_string(), key.low(), key.high());
+               : fmt::format("'{}' ranges from {} to {}", key.name().to_string(), key.low(), key.high());
 }
 
 }  // namespace
@@ -200,7 +202,7 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
         }
         const msg::Vec3& rest = m.landmarks()[keys.landmarks_[i]].rest();
         if (!is_valid_point(from_msg(rest), longest_tool)) {
-            why = fmt::format("impossible landmark '{}'", landmark_names[i]);
+            why = fmt::format("invalid landmark '{}'", landmark_names[i]);
             return std::nullopt;
         }
         keys.rest_[i] = from_msg(rest);
@@ -210,7 +212,7 @@ std::optional<SessionKeys> SessionKeys::of(const msg::SessionDescription& m, std
         why = why.empty() ? faulty_row(key) : why;
     }
     if (why.empty() && !(m.patient_weight_kg() > 0.1f && m.patient_weight_kg() < 20.0f)) {
-        why = fmt::format("a newborn of {} kg", m.patient_weight_kg());
+        why = fmt::format("a newborn with a weight of {} kg", m.patient_weight_kg());
     }
     if (!why.empty()) {
         return std::nullopt;

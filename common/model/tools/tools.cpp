@@ -14,7 +14,8 @@ const std::array<Field<Tube>, 3> tube_fields = {{
      "The tube's size; the outer diameter follows (3.6, 4.2, 4.9 mm for 2.5, 3.0, 3.5)"},
     {"length", "tube", "length", "mm", millimetre, 100.0f, 250.0f, &Tube::length, "Connector to tip"},
     {"grip_from_tip", "tube", "grip from tip", "mm", millimetre, 40.0f, 200.0f, &Tube::grip_from_tip,
-     "Where the hand holds it, at most its length; farther back it bends and buckles more"},
+     "Distance of the grip from the tip, at most the length; a grip farther back lets the tube bend and "
+     "buckle more"},
 }};
 
 Laryngoscope make_laryngoscope(Blade blade) {

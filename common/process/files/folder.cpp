@@ -12,7 +12,7 @@ void make_folder(const std::filesystem::path& folder, std::string_view option) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) {
-        throw std::runtime_error(fmt::format("{}: the folder cannot be made: {}; choose another with {}",
+        throw std::runtime_error(fmt::format("{}: cannot create the folder: {}; choose another with {}",
                                              folder.string(), error.message(), option));
     }
 }

@@ -20,7 +20,7 @@ constexpr int refused = 3;
 
 std::runtime_error no_memory() {
     return std::runtime_error(
-        fmt::format("no memory for what a child process read: {}", std::strerror(errno)));
+        fmt::format("no memory for the result of a child process: {}", std::strerror(errno)));
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ bool MemfdPipe::get(std::string& text) const {
 
 std::string damaged_file_message(const std::string& name, const std::string& how,
                                  const std::string& expected) {
-    return fmt::format("{}: damaged: reading it ended with {}; expected {}. Remedy: copy or export it again.",
+    return fmt::format("{}: damaged: reading failed with {}; expected {}. Remedy: copy or export it again.",
                        name, how, expected);
 }
 
@@ -94,8 +94,7 @@ std::vector<std::uint8_t> parse_in_child(const std::function<std::vector<std::ui
                 channel.put(made.data(), size);
                 return 0;
             } catch (const std::bad_alloc&) {
-                channel.put(name +
-                            ": reading it takes more memory than is allowed; expected a smaller file.");
+                channel.put(name + ": reading exceeds the memory limit; expected a smaller file.");
             } catch (const std::exception& error) {
                 channel.put(error.what());
             }

@@ -37,28 +37,26 @@ CheckResult check(const std::filesystem::path& path) {
     CheckResult result;
     result.repairable = superblock.has_value();
     if (reader.is_being_recorded()) {
-        result.remarks.push_back("a running program is recording into this file");
+        result.remarks.push_back("a running program is recording to this file");
     } else if (superblock && superblock->marked_open) {
         result.damage.push_back(
-            "the program that recorded was killed: the file is marked as open for writing, and other HDF5 "
-            "programs "
-            "refuse it");
+            "the recording program was killed: the file is marked as open for writing, and other HDF5 "
+            "programs reject it");
     } else if (reader.rows_in_tail() > 0) {
         result.damage.push_back(
-            fmt::format("the program that recorded was killed: {} rows are in the file's tail alone, where "
-                        "other programs "
-                        "do not look",
+            fmt::format("the recording program was killed: {} rows are only in the file's tail, which other "
+                        "programs do not read",
                         reader.rows_in_tail()));
     } else if (!reader.finished()) {
         result.remarks.push_back("the recording was cut off before its end");
     }
     if (superblock && !reader.is_being_recorded() && superblock->stated_size != superblock->actual_size) {
-        result.damage.push_back(fmt::format("the file says that it has {} bytes, and has {}",
+        result.damage.push_back(fmt::format("the file states a size of {} bytes, and has {}",
                                             superblock->stated_size, superblock->actual_size));
     }
     if (reader.lost_records() > 0) {
-        result.remarks.push_back(fmt::format(
-            "{} records were lost while recording: the disk could not follow", reader.lost_records()));
+        result.remarks.push_back(fmt::format("{} records were lost while recording: the disk was too slow",
+                                             reader.lost_records()));
     }
 
     for (const TableState& state : survey(reader.root())) {
@@ -66,7 +64,7 @@ CheckResult check(const std::filesystem::path& path) {
             result.remarks.push_back(fmt::format("{} {}", state.common, state.what));
             continue;
         }
-        result.damage.push_back(fmt::format("{}: {} of {} are whole before the first damage", state.what,
+        result.damage.push_back(fmt::format("{}: {} of {} are intact before the first damage", state.what,
                                             state.common, state.most));
         for (const TableState::Series& series : state.series) {
             name_damage(series, state.most, result.damage);

@@ -42,8 +42,9 @@ void write_damage(const hdf5::Group& root, const std::vector<Damage>& damage) {
         rows.push_back(one.first);
         rows.push_back(one.count);
     }
-    group.write_texts("path", paths, {"1", "series, or group of times, of which rows are lost"});
-    group.write<std::uint64_t>("rows", rows, {damage.size(), 2}, {"1", "first lost row and their number"});
+    group.write_texts("path", paths, {"1", "series, or group of times, with lost rows"});
+    group.write<std::uint64_t>("rows", rows, {damage.size(), 2},
+                               {"1", "first lost row and number of lost rows"});
 }
 
 std::vector<Damage> read_damage(const hdf5::Group& root) {

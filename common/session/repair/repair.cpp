@@ -319,7 +319,7 @@ Rewritten rewrite(const SessionReader& from, const std::vector<TableState>& stat
     write_header(file.root(), from.info(), scene, from.lost_records());
     const auto write = [&](const Salvaged& table, std::size_t chunk) {
         if (table.unfinished > 0) {
-            result.left_out.push_back(fmt::format("left out {} rows of {} that were not written to their end",
+            result.left_out.push_back(fmt::format("omitted {} rows of {} that were not completely written",
                                                   table.unfinished, table.columns.front().path));
         }
         write_table(file.root(), table, chunk);
@@ -418,7 +418,7 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     hdf5::require_regular_file(path);
     if (is_being_written(path)) {
         throw hdf5::Error(
-            fmt::format("{}: a running program is recording into this file; end it first", path.string()));
+            fmt::format("{}: a running program is recording to this file; end it first", path.string()));
     }
     const auto superblock = read_superblock(path);
     if (!superblock) {
@@ -437,7 +437,7 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     };
     if (marked) {
         clear_mark(copy.path());
-        done.push_back("cleared the mark of the killed writer and stated the file's size");
+        done.push_back("cleared the killed writer's flag and set the file's size");
     }
     std::size_t from_tail = 0;
     try {
@@ -472,7 +472,7 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     const std::filesystem::path kept = kept_as(path);
     std::filesystem::rename(path, kept);
     std::filesystem::rename(rewritten.path(), path);
-    done.push_back(fmt::format("wrote what can be read into a new file; the old one is {}", kept.string()));
+    done.push_back(fmt::format("wrote all readable data to a new file; the old one is {}", kept.string()));
     return done;
 }
 

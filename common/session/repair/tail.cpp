@@ -129,7 +129,7 @@ void read_half(std::span<const std::byte> half, const std::vector<std::vector<Fo
 
 void extend(FoundColumn& column, std::size_t rows) {
     if (!set_rows(column.data_set.get(), column.row_shape, rows)) {
-        throw hdf5::Error(fmt::format("the length of a series cannot be changed: {}", hdf5::last_error()));
+        throw hdf5::Error(fmt::format("cannot change the length of a series: {}", hdf5::last_error()));
     }
 }
 
@@ -164,7 +164,7 @@ std::size_t append_rows(FoundTable& table, std::vector<FoundColumn>& columns) {
         }
         if (const auto why = write_rows(column.data_set.get(), column.type.get(), column.row_shape, from,
                                         past - from, values.data())) {
-            throw hdf5::Error(fmt::format("a series cannot be gone on with: {}", *why));
+            throw hdf5::Error(fmt::format("cannot continue a series: {}", *why));
         }
         offset += column.row_bytes;
     }
@@ -183,7 +183,7 @@ void Tail::create(const Group& root) const {
             numbers.push_back(static_cast<std::uint32_t>(i));
         }
     }
-    group.write_texts("column", columns, {"1", "series of which the tail may hold rows"});
+    group.write_texts("column", columns, {"1", "series whose rows may be in the tail"});
     group.write<std::uint32_t>("table", numbers, {numbers.size()},
                                {"1", "series of equal number grow together"});
     const std::array<hsize_t, 1> size{2 * half_bytes};
@@ -195,10 +195,9 @@ void Tail::create(const Group& root) const {
                                      creation.get(), H5P_DEFAULT),
                           H5Dclose);
     if (!data_set ||
-        !hdf5::set_label(data_set.get(),
-                         {"1",
-                          "newest rows of a killed recording, which eti-review check --repair moves into "
-                          "their series; of no meaning in a finished one"})) {
+        !hdf5::set_label(data_set.get(), {"1",
+                                          "newest rows of a killed recording, which eti-review check "
+                                          "--repair moves into their series; unused in a finished file"})) {
         throw hdf5::Error(
             fmt::format("{}: the data set cannot be created: {}", root.at(bytes_path), hdf5::last_error()));
     }

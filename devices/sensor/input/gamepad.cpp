@@ -28,9 +28,9 @@ class Gamepad final : public SampleSource {
     void open() override {
         pad_ = Descriptor(::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
         if (!pad_) {
-            throw DeviceError(file_ + ": " + std::strerror(errno) +
-                              ". Plug the pad in, name its file with --source, and have read access to it "
-                              "(group input)");
+            throw DeviceError(
+                file_ + ": " + std::strerror(errno) +
+                ". Plug in the gamepad, name its file with --source, and make it readable (group input)");
         }
     }
 
@@ -45,7 +45,7 @@ class Gamepad final : public SampleSource {
             return false;
         }
         if (got != static_cast<ssize_t>(sizeof event)) {
-            throw DeviceError(file_ + ": the pad was unplugged. Plug it in");
+            throw DeviceError(file_ + ": the gamepad was unplugged. Plug it in");
         }
         const unsigned int kind = event.type & ~static_cast<unsigned int>(JS_EVENT_INIT);
         if (kind == JS_EVENT_AXIS && event.number < axis_count) {

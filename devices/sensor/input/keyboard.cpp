@@ -20,7 +20,7 @@ class Keyboard final : public SampleSource {
         terminal_.emplace();
         if (!terminal_->there()) {
             terminal_.reset();
-            throw DeviceError("standard input is no terminal in the foreground. Run this in a terminal");
+            throw DeviceError("standard input is not a foreground terminal. Run this in a terminal");
         }
     }
 
@@ -44,7 +44,7 @@ class Keyboard final : public SampleSource {
         };
         switch (*key) {
             case '\0':
-                throw DeviceError("the terminal is gone");
+                throw DeviceError("the terminal was closed");
             case 'L':
                 return deflect(0, -1.0f);
             case 'R':

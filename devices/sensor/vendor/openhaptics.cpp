@@ -156,7 +156,7 @@ class OpenHaptics final : public Sensor {
         if (code != success) {
             report(words_for(code) + "; check the device's cable and power");
         } else {
-            report("the vendor's servo thread has stopped calling");
+            report("the vendor's servo thread has stopped");
         }
         stop_servo();
         close();

@@ -35,7 +35,7 @@ class Spacenav final : public SampleSource {
     void open() override {
         if (open_() == -1) {
             throw DeviceError(
-                "spacenavd is not there. Start it (systemctl start spacenavd) and plug the device in");
+                "spacenavd is not running. Start it (systemctl start spacenavd) and plug the device in");
         }
     }
 

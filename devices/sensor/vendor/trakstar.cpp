@@ -54,12 +54,13 @@ class Trakstar final : public SampleSource {
     void open() override {
         check(api_.initialize(), "the tracker does not start");
         int on = 1;
-        check(api_.set_system(metric, &on, sizeof on), "the tracker refuses millimetres");
+        check(api_.set_system(metric, &on, sizeof on), "the tracker rejects millimetres");
         double rate = static_cast<double>(cycles_per_second);
-        check(api_.set_system(measurement_rate, &rate, sizeof rate), "the tracker refuses its rate");
+        check(api_.set_system(measurement_rate, &rate, sizeof rate),
+              "the tracker rejects the measurement rate");
         int format = position_matrix_time_quality;
         check(api_.set_sensor(sensor_, data_format, &format, sizeof format),
-              "the tracker refuses the data format");
+              "the tracker rejects the data format");
         short transmitter = 0;
         check(api_.set_system(select_transmitter, &transmitter, sizeof transmitter),
               "the transmitter does not start");
@@ -74,7 +75,7 @@ class Trakstar final : public SampleSource {
         if ((status & (not_attached | no_transmitter)) != 0) {
             throw DeviceError((status & not_attached) != 0
                                   ? "sensor " + std::to_string(sensor_) + " is not plugged in"
-                                  : std::string("the transmitter is not plugged in or does not run"));
+                                  : std::string("the transmitter is not plugged in or not running"));
         }
         // Saturated, out of range, or still starting: no measurement now, but the device is present.
         if (status != 0 || record.time == time_) {

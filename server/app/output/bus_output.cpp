@@ -39,11 +39,11 @@ BusOutput::BusOutput(bus::Node& node, const Scenario& scenario, const patient::P
         fluid_.emplace(node, bus::topics::fluid);
     }
     if (!description_.publish(description_message(session_, scenario, patient, scope, start))) {
-        spdlog::error("the session's description could not be published; no client or device will follow it");
+        spdlog::error("cannot publish the session's description; clients and devices will not join it");
     }
     for (msg::SceneDescription& object : scene_messages(patient, scope)) {
         if (!scene_.publish(object)) {
-            spdlog::error("scene object '{}' could not be published; clients will not see the patient",
+            spdlog::error("cannot publish scene object '{}'; clients will not show the patient",
                           object.object().to_string());
         }
     }

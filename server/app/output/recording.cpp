@@ -41,11 +41,11 @@ Recording read_recording(const std::filesystem::path& path) {
         }
     });
     if (tried.broken) {
-        throw InputError(fmt::format("{}: damaged: reading it ended with {}", path.string(), *tried.broken));
+        throw InputError(fmt::format("{}: damaged: reading failed with {}", path.string(), *tried.broken));
     }
     Recording recording(path);
     if (recording.steps.empty()) {
-        throw InputError(fmt::format("{}: holds no step", path.string()));
+        throw InputError(fmt::format("{}: contains no step", path.string()));
     }
     return recording;
 }
@@ -72,8 +72,9 @@ Scenario scenario_of(const std::filesystem::path& file, const session::SessionIn
         !beside.empty() && !std::filesystem::exists(beside, error) && folder != info.more.end()) {
         scenario = in_folder(folder->second);
         if (!std::filesystem::exists(scenario.patient.model, error)) {
-            throw InputError(fmt::format("{}: its patient's model is neither {} nor {}; put it there",
-                                         file.string(), beside.string(), scenario.patient.model.string()));
+            throw InputError(
+                fmt::format("{}: its patient model is neither {} nor {}; copy it to one of these places",
+                            file.string(), beside.string(), scenario.patient.model.string()));
         }
     }
     return scenario;

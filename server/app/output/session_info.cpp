@@ -59,7 +59,7 @@ std::vector<std::string> differences(const session::SessionInfo& recorded, const
     std::vector<std::string> out;
     const auto compare = [&](const char* what, const std::string& then, const std::string& now) {
         if (!then.empty() && !now.empty() && then != now) {
-            out.push_back(fmt::format("another {}: {} when it was recorded, {} here", what, then, now));
+            out.push_back(fmt::format("different {}: {} in the recording, {} here", what, then, now));
         }
     };
     compare("version", recorded.version, here.version);

@@ -60,21 +60,21 @@ RecordedStates::RecordedStates(const Recording& recording, const Scenario& scena
     : recording_(recording),
       patient_(patient_in(recording.scene, weight_of(scenario, recording.steps.back()))) {
     if (patient_.frame_rest_centre.size() < patient::bone_count || patient_.surfaces.empty()) {
-        throw InputError("the file holds no surfaces to show: its scene is lost");
+        throw InputError("the file contains no surfaces to show: its scene is lost");
     }
     const auto ordered = [](const auto& records) {
         return std::ranges::is_sorted(records, {}, [](const auto& record) { return record.time_ns; });
     };
     if (!ordered(recording.steps) || !ordered(recording.deformations) || !ordered(recording.fluids) ||
         !ordered(recording.events) || !ordered(recording.annotations)) {
-        throw InputError("the file's times do not follow each other: it is damaged, see eti-review check");
+        throw InputError("the file's times are not in order: it is damaged, see eti-review check");
     }
     for (const session::DeformationRecord& record : recording.deformations) {
         for (std::size_t k = 0; k < record.frame.size(); ++k) {
             if (record.frame[k] >= patient_.frame_rest_centre.size() ||
                 !is_valid_pose({record.pose[k].rotation, record.pose[k].centre})) {
                 throw InputError(
-                    fmt::format("deformation at {:.3f} s: an impossible pose of frame {} of {}; the file is "
+                    fmt::format("deformation at {:.3f} s: an invalid pose of frame {} of {}; the file is "
                                 "damaged, see eti-review check",
                                 1e-9 * static_cast<double>(record.time_ns), record.frame[k],
                                 patient_.frame_rest_centre.size()));

@@ -322,7 +322,7 @@ class Replay {
         } else if (command.name == "seek" && std::isfinite(command.value)) {
             seek(static_cast<double>(row_at(static_cast<double>(command.value))));
         } else {
-            return "this is the replay of a recorded session: it takes start, pause, seek, reset and stop";
+            return "this is the replay of a recorded session: it accepts start, pause, seek, reset and stop";
         }
         return {};
     }
@@ -373,7 +373,7 @@ class Replay {
         if (on_terminal_ && tick_ % states_per_repeat == 0) {
             const double share =
                 static_cast<double>(row_ - std::min(first_, row_)) / static_cast<double>(last_ - first_);
-            std::cerr << fmt::format("\r\033[K[{:<30}] {:.2f} of {:.1f} s, {:g} times as fast{}",
+            std::cerr << fmt::format("\r\033[K[{:<30}] {:.2f} of {:.1f} s, {:g} x speed{}",
                                      std::string(static_cast<std::size_t>(30.0 * std::min(share, 1.0)), '='),
                                      time_at(row_), time_at(last_), speed_, paused_ ? ", paused" : "")
                       << std::flush;

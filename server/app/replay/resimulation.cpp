@@ -53,7 +53,7 @@ std::string comparison_table(const SummaryRecord& recorded, const SummaryRecord&
         width = std::max(width, field.label.size());
     }
     std::string out =
-        fmt::format("  {:<{}}  {:<5}{:>12}{:>12}\n", "parameter of the run", width, "", "recorded", "here");
+        fmt::format("  {:<{}}  {:<5}{:>12}{:>12}\n", "metric of the run", width, "", "recorded", "here");
     for (const MetricField& field : metric_fields) {
         const std::string then = shown(recorded.metrics.*field.value),
                           now = shown(simulated.metrics.*field.value);
@@ -128,7 +128,7 @@ class Resimulation {
         const RigidTransform& laryngoscope = recording_.scene.laryngoscope_start;
         const RigidTransform& grip = recording_.scene.tube_grip_start;
         if (!is_valid_pose(laryngoscope) || !is_valid_pose(grip)) {
-            doubts_.push_back("the file does not say where the tools were before the first step");
+            doubts_.push_back("the file lacks the poses of the tools before the first step");
             return;
         }
         if (!recording_.reader.info().operator_name.empty()) {
@@ -154,12 +154,12 @@ class Resimulation {
     /// Latches the inputs recorded before a step; returns false if the file does not have them.
     bool latch(const session::StepRecord& step) {
         if (step.step != simulation_->snapshot().step + 1) {
-            ended_ = fmt::format("after step {} the file goes on with step {}", simulation_->snapshot().step,
-                                 step.step);
+            ended_ = fmt::format("after step {} the file continues with step {}",
+                                 simulation_->snapshot().step, step.step);
             return false;
         }
         if (!is_valid_pose(step.laryngoscope) || !is_valid_pose(step.tube_grip)) {
-            ended_ = fmt::format("at step {} the file holds no pose of a tool", step.step);
+            ended_ = fmt::format("at step {} the file lacks the pose of a tool", step.step);
             return false;
         }
         inputs_.laryngoscope = step.laryngoscope;
@@ -229,7 +229,7 @@ class Resimulation {
             if (const std::string refusal = command_handler_.apply(
                     {command.sender, command.id, command.kind, static_cast<float>(command.value)});
                 !refusal.empty()) {
-                spdlog::warn("step {}: the recorded command {} is refused here: {}", step, command.kind,
+                spdlog::warn("step {}: the recorded command {} is rejected here: {}", step, command.kind,
                              refusal);
             }
             assessment_->log(command);
@@ -244,7 +244,7 @@ class Resimulation {
         if (const std::uint64_t version = recording_.scene.definitions.version;
             version != 0 && version != definitions_version) {
             out.push_back(
-                fmt::format("other definitions of the parameters: version {} when it was recorded, {} here",
+                fmt::format("different definitions of the metrics: version {} in the recording, {} here",
                             version, definitions_version));
         }
         if (what_if()) {
@@ -252,13 +252,12 @@ class Resimulation {
         }
         out.insert(out.end(), doubts_.begin(), doubts_.end());
         if (const std::uint64_t lost = recording_.reader.lost_records(); lost > 0) {
-            out.push_back(
-                fmt::format("{} records were lost while recording: the disk could not follow", lost));
+            out.push_back(fmt::format("{} records were lost while recording: the disk was too slow", lost));
         }
         if (out.empty()) {
             out.push_back(
-                "version, build, processor, libraries and patient are the same: the file was changed "
-                "after it was recorded, or what is simulated hangs on something else");
+                "version, build, processor, libraries and patient are the same: the file was changed after "
+                "the recording, or the simulation depends on something else");
         }
         return out;
     }
@@ -271,7 +270,7 @@ class Resimulation {
         if (!has_run_summary) {
             // Without a summary of the run: the values of the last step.
             recorded.insert(recorded.begin(), {0,
-                                               {false, "the recording ends before the run was summed up"},
+                                               {false, "the recording ends before the results were computed"},
                                                recording_.steps[std::max<std::size_t>(row_, 1) - 1].metrics});
         }
         const bool steps_equal =
@@ -317,8 +316,8 @@ class Resimulation {
     void print(bool equal, const std::vector<SummaryRecord>& recorded,
                const std::vector<SummaryRecord>& simulated) const {
         std::string out = fmt::format(
-            "{}: {} of {} steps simulated again, {} came out as recorded\n", options_.resimulate.string(),
-            comparison_.steps(), recording_.steps.size(),
+            "{}: {} of {} steps simulated again, {} identical to the recording\n",
+            options_.resimulate.string(), comparison_.steps(), recording_.steps.size(),
             comparison_.equal() == comparison_.steps() ? "all" : std::to_string(comparison_.equal()));
         if (!ended_.empty()) {
             out += fmt::format("ended early: {}\n", ended_);
@@ -327,13 +326,13 @@ class Resimulation {
             out += "the recording was cut off before its end\n";
         }
         if (const auto& first = comparison_.first()) {
-            out +=
-                fmt::format("first to differ: step {} ({:.3f} s), {}: {:.9g} was recorded, {:.9g} is here\n",
-                            first->step, first->time, first->series, first->recorded, first->simulated);
+            out += fmt::format(
+                "first difference: step {} ({:.3f} s), {}: {:.9g} in the recording, {:.9g} here\n",
+                first->step, first->time, first->series, first->recorded, first->simulated);
         } else if (equal_states_ != states_) {
-            out += "what is recorded of the steps is the same, and the state, by its hashes, is not\n";
+            out += "the recorded series are identical, but the hashes of the state differ\n";
         } else if (!equal) {
-            out += "the steps are the same and the results are not\n";
+            out += "the steps are identical, but the results differ\n";
         }
         if (!equal) {
             for (const std::string& reason : reasons()) {

@@ -42,10 +42,10 @@ std::string AnnotationBoard::refusal_of(const msg::Annotation& annotation) const
     const auto [least, max_places] = places_of(annotation.kind());
     const std::size_t places = annotation.places().size();
     if (places < least || places > max_places) {
-        return fmt::format("{} places, expected {} to {}", places, least, max_places);
+        return fmt::format("{} positions, expected {} to {}", places, least, max_places);
     }
     if (annotation.kind() == msg::ANNOTATION_NOTE && annotation.text().size() == 0) {
-        return "a note without words";
+        return "an empty note";
     }
     if (places == 0) {
         return {};
@@ -53,7 +53,7 @@ std::string AnnotationBoard::refusal_of(const msg::Annotation& annotation) const
     const std::string object = annotation.object().to_string();
     const Surface* const on = surface(object);
     if (on == nullptr && object != bus::laryngoscope_object) {
-        return "it lies on no surface of this patient";
+        return "the object is not a surface of this patient";
     }
     const std::size_t triangles = (on != nullptr ? on->mesh : laryngoscope_).triangles.size();
     for (const msg::SurfacePlace& place : annotation.places()) {
@@ -61,7 +61,7 @@ std::string AnnotationBoard::refusal_of(const msg::Annotation& annotation) const
             return fmt::format("triangle {} of {}", place.triangle(), triangles);
         }
         if (!bus::from_msg(place).is_valid()) {
-            return fmt::format("a place that is not on its triangle, or more than {:.0f} mm from it",
+            return fmt::format("a position outside its triangle, or more than {:.0f} mm from it",
                                1e3f * SurfacePlace::farthest);
         }
     }

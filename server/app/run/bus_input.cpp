@@ -87,7 +87,7 @@ void BusInput::poll_commands() {
                                 sanitized_text(command_.name().to_string()), command_.value()};
         if (!commands_.put(command_topic_.sender(), std::move(command))) {
             if (const auto suppressed = lines_.allow("command")) {
-                spdlog::warn("a command of '{}' was left out: too many kinds or senders at once{}",
+                spdlog::warn("a command of '{}' was ignored: too many kinds or senders at once{}",
                              sanitized_text(command_.sender().to_string()), suppressed_suffix(*suppressed));
             }
         }
@@ -95,8 +95,9 @@ void BusInput::poll_commands() {
     std::string sender;
     if (const std::uint64_t replaced = commands_.take_replaced_count(sender); replaced > 0) {
         if (const auto suppressed = lines_.allow("flood")) {
-            spdlog::warn("'{}' sends more than {:.0f} commands a second: the last of each kind counts{}",
-                         sanitized_text(sender), CommandQueue::per_second, suppressed_suffix(*suppressed));
+            spdlog::warn(
+                "'{}' sends more than {:.0f} commands per second: only the last of each kind is used{}",
+                sanitized_text(sender), CommandQueue::per_second, suppressed_suffix(*suppressed));
         }
     }
 }
@@ -109,9 +110,10 @@ void BusInput::poll_annotations() {
         if (annotation_limiter_.try_acquire(annotation_topic_.sender(), now)) {
             annotations_.push_back(annotation_);
         } else if (const auto suppressed = lines_.allow("annotation")) {
-            spdlog::warn("a remark or mark was left out, more than {:.0f} a second of one sender: {}: {}{}",
-                         CommandQueue::per_second, annotation_.sender().to_string(),
-                         annotation_.text().to_string(), suppressed_suffix(*suppressed));
+            spdlog::warn(
+                "a remark or mark was ignored, more than {:.0f} per second from one sender: {}: {}{}",
+                CommandQueue::per_second, annotation_.sender().to_string(), annotation_.text().to_string(),
+                suppressed_suffix(*suppressed));
         }
     }
 }

@@ -50,7 +50,7 @@ void CommandHandler::discard(const ReceivedCommand& command) {
     answer_.recipient(command.sender);
     answer_.id(command.id);
     answer_.accepted(true);
-    answer_.reason("a later one of its kind took its place");
+    answer_.reason("superseded by a later command of its kind");
 }
 
 std::string CommandHandler::apply(const ReceivedCommand& command) {
@@ -65,7 +65,7 @@ std::string CommandHandler::apply(const ReceivedCommand& command) {
         next_ = has_next_session_;
         return has_next_session_
                    ? ""
-                   : "no session follows this one; start the server with several: --scenario A --scenario B";
+                   : "this is the last session; start the server with several: --scenario A --scenario B";
     }
     if (command.name == "reset") {
         reset_ = true;
@@ -73,7 +73,8 @@ std::string CommandHandler::apply(const ReceivedCommand& command) {
     }
     const RuntimeParameterField* const field = find_runtime_parameter(command.name);
     if (field == nullptr) {
-        return fmt::format("this server has no '{}': it is older or newer than its sender", command.name);
+        return fmt::format("this server does not know '{}': it is older or newer than the sender",
+                           command.name);
     }
     std::string refusal = refusal_of(*field, command.value);
     if (refusal.empty()) {
@@ -97,21 +98,21 @@ std::string CommandHandler::refusal_of(const RuntimeParameterField& field, float
     if (field.value == &RuntimeParameters::tongue_scale &&
         wanted_.tissue_stiffness > limits_.max_stable_modulus_at(value)) {
         return fmt::format(
-            "tongue scale {:.3g}: at {:.3g} kPa, {} grown so far bear {:.3g}; make the tissue softer first",
+            "tongue scale {:.3g}: at {:.3g} kPa, {} are stable up to {:.3g}; make the tissue softer first",
             value, 1e-3f * wanted_.tissue_stiffness, limits_.limiting_element,
             1e-3f * limits_.max_stable_modulus_at(value));
     }
     if (field.value == &RuntimeParameters::tissue_stiffness &&
         value > limits_.max_stable_modulus_at(wanted_.tongue_scale)) {
         return fmt::format(
-            "tissue stiffness {:.3g} kPa, but {} bear at most {:.3g} in a tongue of scale {:.3g}; "
-            "restart with more physics.substeps",
+            "tissue stiffness {:.3g} kPa, but {} are stable up to {:.3g} at tongue scale {:.3g}; restart "
+            "with more physics.substeps",
             1e-3f * value, limits_.limiting_element,
             1e-3f * limits_.max_stable_modulus_at(wanted_.tongue_scale), wanted_.tongue_scale);
     }
     if (field.value == &RuntimeParameters::secretion && !limits_.saliva) {
-        return "there is no liquid in this scenario; restart it with 'saliva: standby', "
-               "which has none until it is asked for";
+        return "there is no liquid in this scenario; restart it with 'saliva: standby', which starts without "
+               "saliva";
     }
     return {};
 }

@@ -36,18 +36,17 @@ std::string ForceLimitMonitor::check(const scene::Snapshot& s, std::string_view 
         parted_ = true;
         const auto& most = *std::ranges::max_element(s.shell_contacts, {}, &rigid::Contact::force);
         return fmt::format(
-            "{} the hand is {:.0f} mm from where the laryngoscope is stopped ({}, {:.0f} N), expected at "
-            "most "
-            "{:.0f} mm: the way leads through the patient; go around by stages before this one",
+            "{} the hand is {:.0f} mm from the constrained laryngoscope ({}, {:.0f} N), expected at most "
+            "{:.0f} mm: the path leads through the patient; add earlier stages that go around",
             when(s, stage), 1e3f * apart, name_of(most.tissue), most.force, 1e3f * farthest);
     }
     const double gum = metrics::tissue_forces(s).gum;
     if (!pressed_ && gum > hardest) {
         pressed_ = true;
         return fmt::format(
-            "{} the upper gum bears {:.0f} N and the lower one {:.0f} N, expected at most {:.0f} N: between "
-            "both the "
-            "blade is a lever; lift along the handle, and turn the blade where the gums are clear of it",
+            "{} the force is {:.0f} N on the upper gum and {:.0f} N on the lower gum, expected at most "
+            "{:.0f} N: the blade levers between them; lift along the handle, and rotate the blade only where "
+            "it is clear of the gums",
             when(s, stage), gum, on_lower_gum(s), hardest);
     }
     return {};

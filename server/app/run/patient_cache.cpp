@@ -73,7 +73,7 @@ patient::Patient patient_in_cache(const NewbornShape& shape, const patient::Buil
                 return patient::load_patient(file);
             }
         } catch (const std::exception& e) {
-            spdlog::warn("cached model not usable, building it anew: {}", e.what());
+            spdlog::warn("cannot use the cached model, rebuilding it: {}", e.what());
         }
     }
     const std::optional<patient::Patient> surface_source = find_with_same_surfaces(provenance, form);
@@ -86,9 +86,8 @@ patient::Patient patient_in_cache(const NewbornShape& shape, const patient::Buil
         std::filesystem::create_directories(file.parent_path());
         patient::save_patient(patient, file, provenance);
     } catch (const std::exception& e) {
-        spdlog::warn(
-            "model not cached ({}); the next start builds it again. Set ETI_CACHE to a writable folder.",
-            e.what());
+        spdlog::warn("model not cached ({}); the next start rebuilds it. Set ETI_CACHE to a writable folder.",
+                     e.what());
     }
     return patient;
 }

@@ -84,8 +84,8 @@ void warn_about_view_stages(const OperatorScript& script) {
         for (const Stage& stage : track->stages) {
             if (stage.until_view_percent > 0.0f && stage.timeout > 0.0f) {
                 spdlog::warn(
-                    "operator '{}', stage '{}': waits for {:g} % of the glottis to be seen, and a manikin "
-                    "gives no view; it ends after {:g} s{}. Remedy: an operator without view_percent",
+                    "operator '{}', stage '{}': waits until {:g} % of the glottis are visible, but a manikin "
+                    "has no view; it ends after {:g} s{}. Remedy: use an operator without view_percent",
                     script.name, stage.name, stage.until_view_percent, stage.timeout,
                     stage.abort_on_timeout ? ", and the rest is skipped" : "");
             }
@@ -180,11 +180,11 @@ class Session {
             output_->finish(status(clock));
             if (const std::uint64_t skipped = haptic_publisher_->skipped() + output_->skipped();
                 skipped > 0) {
-                spdlog::info("{} states were replaced before they were sent", skipped);
+                spdlog::info("{} states were superseded before they were sent", skipped);
             }
         }
         if (input_ && input_->refused() > 0) {
-            spdlog::warn("{} poses were refused: not finite, or not within two metres of the patient",
+            spdlog::warn("{} poses were rejected: not finite, or more than two metres from the patient",
                          input_->refused());
         }
         report(clock);
@@ -296,7 +296,7 @@ class Session {
             AnnotationBoard::HandledAnnotation taken = board_->handle(annotation, simulation_->snapshot());
             if (!taken.refusal.empty()) {
                 if (const auto suppressed = annotations_refused_.allow("annotation")) {
-                    spdlog::warn("a mark of '{}' was left out: {}{}", annotation.sender().to_string(),
+                    spdlog::warn("a mark of '{}' was rejected: {}{}", annotation.sender().to_string(),
                                  taken.refusal, suppressed_suffix(*suppressed));
                 }
                 continue;
@@ -331,7 +331,7 @@ class Session {
         if (now == msg::DEVICE_SILENT) {
             spdlog::warn("the {}'s device has been silent for {} ms; {}", state.name,
                          FollowedDevice::silence_timeout.count(),
-                         scenario_.freeze_on_silence ? "time stands still until it is back"
+                         scenario_.freeze_on_silence ? "simulation paused until it is back"
                                                      : "the tool stays where it was");
         } else {
             spdlog::info("the {}'s device is {}", state.name, back ? "back" : "here");
@@ -416,8 +416,8 @@ class Session {
         if (simulation_->snapshot().saliva.overflow > 0 && !warned_of_overflow_) {
             warned_of_overflow_ = true;
             spdlog::warn(
-                "mouth and throat hold as much saliva as is simulated ({} particles): more is left out. "
-                "Suction makes room",
+                "mouth and throat contain the maximum amount of saliva ({} particles): secretion stops until "
+                "suction removes some",
                 simulation_->snapshot().saliva.positions.size());
         }
         // The demo reads its progress from this line.

@@ -39,8 +39,8 @@ scene::Settings scene_settings(const Scenario& scenario, const patient::Patient&
     const PatientLimits limits = limits_of(scenario, patient);
     if (const float wanted = patient.tissue_stiffness; wanted > limits.max_stable_modulus) {
         throw InputError(fmt::format(
-            "scenario '{}': tissue_stiffness_kpa is {:g}, but {} bear at most {:.3g} with {} substeps; raise "
-            "physics.substeps to {} or physics.spacing_mm, or set physics.tissue_method to implicit",
+            "scenario '{}': tissue_stiffness_kpa is {:g}, but {} are stable up to {:.3g} with {} substeps; "
+            "raise physics.substeps to {} or physics.spacing_mm, or set physics.tissue_method to implicit",
             scenario.name, 1e-3f * wanted, limits.limiting_element, 1e-3f * limits.max_stable_modulus,
             substeps,
             static_cast<int>(

@@ -18,22 +18,20 @@ namespace eti::imaging {
 Bytes read_bytes(const std::filesystem::path& file, std::size_t most) {
     if (const std::string kind = describe_non_regular(file); !kind.empty()) {
         throw VolumeError(fmt::format("{}: {}; expected a file. Remedy: check the path.", file.string(),
-                                      kind == "nothing" ? "is not there" : "is " + kind));
+                                      kind == "nothing" ? "does not exist" : "is " + kind));
     }
     std::error_code error;
     const auto size = std::filesystem::file_size(file, error);
     if (error || size > most) {
         throw VolumeError(
-            fmt::format("{}: has {} bytes; at most {} are read. Remedy: crop the volume to head "
-                        "and neck.",
+            fmt::format("{}: has {} bytes; expected at most {}. Remedy: crop the volume to head and neck.",
                         file.string(), size, most));
     }
     std::ifstream in(file, std::ios::binary);
     Bytes data(size);
     in.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(size));
     if (!in || static_cast<std::size_t>(in.gcount()) != size) {
-        throw VolumeError(
-            fmt::format("{}: cannot be read. Remedy: check that you may read it.", file.string()));
+        throw VolumeError(fmt::format("{}: cannot be read. Remedy: check its permissions.", file.string()));
     }
     return data;
 }
@@ -42,8 +40,7 @@ Bytes gunzip(std::span<const std::uint8_t> data, std::size_t most, const std::st
     z_stream stream{};
     constexpr int gzip_or_zlib = 15 + 32;
     if (inflateInit2(&stream, gzip_or_zlib) != Z_OK) {
-        throw VolumeError(file +
-                          ": zlib could not be started (out of memory). Remedy: close other programs.");
+        throw VolumeError(file + ": cannot initialise zlib (out of memory). Remedy: close other programs.");
     }
     Bytes out;
     std::size_t taken = 0;
@@ -64,7 +61,7 @@ Bytes gunzip(std::span<const std::uint8_t> data, std::size_t most, const std::st
         out.insert(out.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got));
     }
     if (state != Z_OK && state != Z_STREAM_END) {
-        finding = stream.msg != nullptr ? stream.msg : "it ends too early";
+        finding = stream.msg != nullptr ? stream.msg : "unexpected end";
     }
     inflateEnd(&stream);
     if (!finding.empty()) {
@@ -164,8 +161,8 @@ void write_bytes(const std::filesystem::path& file, std::span<const std::uint8_t
     }
     if (const std::string why = write_file_atomically(file, bytes_of(data)); !why.empty()) {
         throw VolumeError(
-            fmt::format("{}: could not be written: {}. Remedy: check that the folder exists and is "
-                        "writable and that the disk is not full.",
+            fmt::format("{}: cannot be written: {}. Remedy: check that the folder exists and is writable and "
+                        "that the disk is not full.",
                         file.string(), why));
     }
 }

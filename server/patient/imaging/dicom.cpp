@@ -152,7 +152,7 @@ void check_grid(const gdcm::DataSet& data, const std::string& file, bool one_fra
         }
         if (!good) {
             refuse_dicom(file, "Image Orientation (Patient) is " + shown(directions_tag),
-                         "two directions of length 1 at a right angle", "export the original slices");
+                         "two orthogonal unit vectors", "export the original slices");
         }
     }
 }
@@ -164,12 +164,12 @@ Frames read_file(const std::filesystem::path& path) {
     reader.SetFileName(path.c_str());
     if (!reader.Read()) {
         refuse_dicom(frames.file, "the file cannot be read as an image", "a whole CT slice",
-                     "it is damaged or cut off, or no image; copy or export the series again");
+                     "it is damaged or truncated, or not an image; copy or export the series again");
     }
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
     if (const std::string modality = element_text(data, gdcm::Tag(0x0008, 0x0060)); modality != "CT") {
         refuse_dicom(frames.file, fmt::format("the modality is '{}'", modality), "CT",
-                     "give a CT; other images have no Hounsfield units");
+                     "use a CT; other images have no Hounsfield units");
     }
     frames.series = element_text(data, gdcm::Tag(0x0020, 0x000e));
     const gdcm::Image& image = reader.GetImage();
@@ -192,7 +192,7 @@ Frames read_file(const std::filesystem::path& path) {
     const double* spacing = image.GetSpacing();
     const bool placed = data.FindDataElement(gdcm::Tag(0x0020, 0x0032)) || geometry.size[2] > 1;
     if (!placed || origin == nullptr || cosines == nullptr || spacing == nullptr) {
-        refuse_dicom(frames.file, "the slice has no place (Image Position Patient)", "one",
+        refuse_dicom(frames.file, "the slice has no position (Image Position Patient)", "one",
                      "export the original slices, not screen captures");
     }
     // Files round them; the spacing determines lengths.
@@ -208,8 +208,8 @@ Frames read_file(const std::filesystem::path& path) {
                      fmt::format("at most {}", max_voxels), "crop it to head and neck");
     }
     if (image.GetTransferSyntax() != gdcm::TransferSyntax::ExplicitVRBigEndian && !has_all_pixels(path)) {
-        refuse_dicom(frames.file, "the pixels that it announces are not all there", "a whole CT slice",
-                     "the file is cut off; copy or export the series again");
+        refuse_dicom(frames.file, "pixel data are incomplete", "a whole CT slice",
+                     "the file is truncated; copy or export the series again");
     }
     const Scalar type = dicom_scalar(image.GetPixelFormat(), frames.file);
     const std::size_t bytes = geometry.count() * size_of(type);
@@ -219,10 +219,9 @@ Frames read_file(const std::filesystem::path& path) {
     }
     Bytes buffer(bytes);
     if (!image.GetBuffer(reinterpret_cast<char*>(buffer.data()))) {
-        refuse_dicom(
-            frames.file, "the pixels cannot be decoded", "whole pixel data",
-            "the file is damaged or cut off, or compressed in a way GDCM does not know; export the series "
-            "uncompressed");
+        refuse_dicom(frames.file, "the pixels cannot be decoded", "whole pixel data",
+                     "the file is damaged or truncated, or its compression is not supported by GDCM; export "
+                     "the series uncompressed");
     }
     frames.value = to_floats(buffer, type, false);
     const auto slope = static_cast<float>(image.GetSlope());
@@ -230,7 +229,7 @@ Frames read_file(const std::filesystem::path& path) {
     if (!std::isfinite(slope) || slope == 0.0f || !std::isfinite(intercept)) {
         refuse_dicom(frames.file,
                      fmt::format("Rescale Slope is {:g} and Rescale Intercept {:g}", slope, intercept),
-                     "what turns pixels into Hounsfield units", "export the original slices");
+                     "finite values that convert pixels to Hounsfield units", "export the original slices");
     }
     for (float& v : frames.value) {
         v = slope * v + intercept;
@@ -267,7 +266,7 @@ Volume stack(std::vector<Frames>& slices, const std::string& folder) {
             refuse_dicom(folder,
                          fmt::format("between {} and {} the slices are {:.3f} mm apart, elsewhere {:.3f} mm",
                                      slices[i].file, slices[i + 1].file, 1e3 * gap(i).norm(), 1e3 * usual),
-                         "equal distances", "a slice is missing or there twice; export the series again");
+                         "equal distances", "a slice is missing or duplicated; export the series again");
         }
         volume.value.insert(volume.value.end(), slices[i].value.begin(), slices[i].value.end());
     }
@@ -296,7 +295,7 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
     std::sort(files.begin(), files.end());
     if (files.empty()) {
         refuse_dicom(folder.string(), fmt::format("none of its {} entries is a DICOM file", others),
-                     "the slices of one CT series", "give the folder that holds the slices themselves");
+                     "the slices of one CT series", "give the folder that contains the slices");
     }
     std::map<std::string, std::vector<Frames>> series;
     std::size_t voxels = 0;
@@ -317,14 +316,14 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
     }
     for (const auto& [name, slices] : series) {
         if (name != largest->first) {
-            remarks.push_back(fmt::format("{}: left out the series {} of {} files; took {} of {} files",
+            remarks.push_back(fmt::format("{}: ignored series {} of {} files; used {} of {} files",
                                           folder.string(), name, slices.size(), largest->first,
                                           largest->second.size()));
         }
     }
     if (others > 0) {
         remarks.push_back(
-            fmt::format("{}: {} entries are no DICOM files and were left out", folder.string(), others));
+            fmt::format("{}: ignored {} entries that are not DICOM files", folder.string(), others));
     }
     std::vector<Frames>& slices = largest->second;
     if (slices.size() == 1 && slices.front().geometry.size[2] > 1) {
@@ -332,8 +331,8 @@ Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>&
     }
     for (const Frames& slice : slices) {
         if (slice.geometry.size[2] != 1) {
-            refuse_dicom(slice.file, "a file of several frames lies among others of its series",
-                         "one file of frames or a folder of slices", "give the file itself");
+            refuse_dicom(slice.file, "the series has a multi-frame file and other files",
+                         "one multi-frame file or a folder of slices", "give the file itself");
         }
     }
     return stack(slices, folder.string());

@@ -74,7 +74,7 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
     }
     const auto main = entry(tar, "main.plist");
     if (!main) {
-        refuse_project(file, "there is no whole main.plist in it",
+        refuse_project(file, "it contains no complete main.plist",
                        "a tar archive with main.plist and matrix.dat");
     }
     const std::string plist(main->begin(), main->end());
@@ -83,8 +83,7 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
     const auto type = values(plist, "dtype", "string", 1);
     const auto name = values(plist, "filename", "string", 1);
     if (shape.size() != 3 || spacing.size() != 3 || type.size() != 1 || name.size() != 1) {
-        refuse_project(file, "main.plist does not tell the matrix's shape, spacing, type and file",
-                       "these four");
+        refuse_project(file, "main.plist lacks the matrix's shape, spacing, type or file", "these four");
     }
     if (type[0] != "int16") {
         refuse_project(file, fmt::format("the matrix is of type {}", type[0].substr(0, 20)), "int16");
@@ -99,7 +98,7 @@ Volume parse_inv3(std::span<const std::uint8_t> packed, const std::string& file)
             std::from_chars(spacing[k].data(), spacing[k].data() + spacing[k].size(), millimetres).ec ==
                 std::errc();
         if (!good) {
-            refuse_project(file, "a size or a spacing in main.plist is no number", "numbers");
+            refuse_project(file, "a size or a spacing in main.plist is not a number", "numbers");
         }
         const bool backwards = k == 1;  // rows run from back to nose, against LPS
         volume.geometry.step(static_cast<int>(k), static_cast<int>(k)) =

@@ -36,7 +36,7 @@ class MeshBuilder {
     explicit MeshBuilder(const std::string& name) : name_(name) {}
     std::uint32_t vertex(const Vec3f& p) {
         if (!p.allFinite() || p.cwiseAbs().maxCoeff() > farthest) {
-            refuse_mesh(name_, fmt::format("vertex {} is not a place of a patient", mesh_.vertices.size()),
+            refuse_mesh(name_, fmt::format("vertex {} is not within a patient", mesh_.vertices.size()),
                         "coordinates in millimetres");
         }
         const auto [it, fresh] =
@@ -279,7 +279,7 @@ class PlyValueReader {
 
   private:
     [[noreturn]] void ended() const {
-        refuse_mesh(name_, "the file ends early", "as many values as its head says");
+        refuse_mesh(name_, "the file ends early", "as many values as its header states");
     }
     std::string_view body_;
     TokenReader words_;
@@ -329,7 +329,7 @@ TriangleMesh parse_ply(std::span<const std::uint8_t> data, const std::string& na
         whole = line[0] == "end_header";
     }
     if (!whole) {
-        refuse_mesh(name, "its head does not end", "'end_header'");
+        refuse_mesh(name, "its header does not end", "'end_header'");
     }
     MeshBuilder gather(name);
     PlyValueReader values(head.rest(), text, swap, name);
@@ -390,7 +390,7 @@ TriangleMesh parse_mesh(std::span<const std::uint8_t> data, const std::string& n
     if (ending == ".stl") {
         return parse_stl(data, name);
     }
-    refuse_mesh(name, "its name does not tell the format", ".stl, .obj or .ply");
+    refuse_mesh(name, "its name does not indicate the format", ".stl, .obj or .ply");
 }
 
 static_assert(sizeof(Vec3f) == 12 && sizeof(Triangle) == 12);
@@ -414,7 +414,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const GuardLimits& lim
     TriangleMesh mesh;
     const std::uint64_t count = raw.size() >= 8 ? load<std::uint64_t>(raw.data(), false) : 0;
     if (count > raw.size() / 12 || (raw.size() - 8 - 12 * count) % 12 != 0) {
-        refuse_mesh(name, "reading it gave no whole surface", "a surface");
+        refuse_mesh(name, "reading it gave no complete surface", "a surface");
     }
     const std::uint8_t* at = raw.data() + 8;
     for (std::uint64_t i = 0; i < count; ++i, at += 12) {
@@ -426,7 +426,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const GuardLimits& lim
         for (std::size_t k = 0; k < 3; ++k) {
             t[k] = load<std::uint32_t>(at + 4 * k, false);
             if (t[k] >= count) {
-                refuse_mesh(name, "reading it gave no whole surface", "a surface");
+                refuse_mesh(name, "reading it gave no complete surface", "a surface");
             }
         }
         mesh.triangles.push_back(t);

@@ -77,8 +77,7 @@ Geometry nifti_geometry(const std::uint8_t* header, bool swap, const std::string
             origin[k] = load<float>(header + at_qoffset + 4 * static_cast<std::size_t>(k), swap);
         }
     } else {
-        refuse_nifti(file,
-                     "the header says nothing of the patient's directions (qform and sform codes are 0)",
+        refuse_nifti(file, "the header lacks the patient's directions (qform and sform codes are 0)",
                      "one of them", "export it with its orientation");
     }
     geometry.origin = unit * from_ras.cwiseProduct(origin);
@@ -98,7 +97,7 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
     }
     if (data.size() < header_bytes) {
         refuse_nifti(file, fmt::format("the file has {} bytes", data.size()), "a header of 348 bytes",
-                     "the file is cut off; copy or export it again");
+                     "the file is truncated; copy or export it again");
     }
     const std::uint8_t* header = data.data();
     const auto stated = load<std::int32_t>(header, false);
@@ -109,7 +108,7 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
     }
     const std::string magic(header + at_magic, header + at_magic + 3);
     if (magic != "n+1") {
-        refuse_nifti(file, "header and voxels lie in two files", "both in one",
+        refuse_nifti(file, "header and voxels are in two files", "both in one",
                      "save it as .nii or .nii.gz, not as .hdr and .img");
     }
     const int dimensions = load<std::int16_t>(header + at_dim, swap);
@@ -148,7 +147,7 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
     if (data.size() < begin + bytes) {
         refuse_nifti(file,
                      fmt::format("there are {} bytes of voxels", data.size() - std::min(begin, data.size())),
-                     fmt::format("{}", bytes), "the file is cut off; copy or export it again");
+                     fmt::format("{}", bytes), "the file is truncated; copy or export it again");
     }
     volume.value = to_floats(data.subspan(begin, bytes), type->second, swap);
     float slope = load<float>(data.data() + at_slope, swap);

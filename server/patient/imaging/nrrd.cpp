@@ -24,8 +24,8 @@ class Header {
             const auto from = data.begin() + static_cast<std::ptrdiff_t>(begin);
             const auto end = std::find(from, data.end(), std::uint8_t{'\n'});
             if (end == data.end() || begin > longest) {
-                refuse("the header has no end", "an empty line behind it",
-                       "copy the file again; a detached header (.nhdr) must be joined with its data");
+                refuse("the header has no end", "an empty line after it",
+                       "copy the file again; a detached header (.nhdr) is not supported");
             }
             std::string text(from, end);
             begin += text.size() + 1;
@@ -41,7 +41,7 @@ class Header {
             const std::size_t colon = text.find(':');
             if (colon == std::string::npos) {
                 refuse(fmt::format("line {} is '{}'", line, text.substr(0, 60)), "'field: value'",
-                       "mend the header");
+                       "correct the header");
             }
             if (text.compare(colon, 2, ":=") == 0) {
                 continue;  // key/value pairs are free text
@@ -88,7 +88,7 @@ class Header {
             const auto [next, error] = std::from_chars(at, end, value);
             if (error != std::errc() || next == at) {
                 refuse(fmt::format("field '{}' is '{}'", field, text.substr(0, 60)),
-                       fmt::format("{} numbers", count), "mend the header");
+                       fmt::format("{} numbers", count), "correct the header");
             }
             found.push_back(value);
             at = next;
@@ -174,7 +174,7 @@ Geometry nrrd_geometry(const Header& header) {
     for (std::size_t k = 0; k < 3; ++k) {
         if (!(sizes[k] >= 1.0 && sizes[k] < 1e6) || sizes[k] != std::floor(sizes[k])) {
             header.refuse(fmt::format("a size is {}", sizes[k]), "a whole number from 4 to 100000",
-                          "mend the header");
+                          "correct the header");
         }
         geometry.size[k] = static_cast<int>(sizes[k]);
     }
@@ -182,7 +182,7 @@ Geometry nrrd_geometry(const Header& header) {
     const std::vector<double> directions =
         header.numbers("space directions", header.need("space directions", "the direction of each axis"), 9);
     const std::vector<double> origin =
-        header.numbers("space origin", header.need("space origin", "the first voxel's place"), 3);
+        header.numbers("space origin", header.need("space origin", "the first voxel's position"), 3);
     double unit = 1e-3;
     if (const auto units = header.find("space units"); units && units->find("\"m\"") != std::string::npos) {
         unit = 1.0;
@@ -202,13 +202,13 @@ Geometry nrrd_geometry(const Header& header) {
 Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
     const Header header(data, file);
     if (const auto detached = header.find("data file"); detached || header.find("datafile")) {
-        header.refuse("the data lie in another file", "header and data in one file",
+        header.refuse("the data are in another file", "header and data in one file",
                       "save it as .nrrd, not as .nhdr");
     }
     for (const char* skip : {"line skip", "lineskip", "byte skip", "byteskip"}) {
         if (const auto value = header.find(skip); value && *value != "0") {
             header.refuse(fmt::format("field '{}' is {}", skip, value->substr(0, 20)), "0",
-                          "save it without");
+                          "save it without this field");
         }
     }
     Volume volume;
@@ -220,7 +220,7 @@ Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
         const std::string endian = header.need("endian", "'little' or 'big'");
         if (endian != "little" && endian != "big") {
             header.refuse(fmt::format("the field 'endian' is '{}'", endian.substr(0, 20)),
-                          "'little' or 'big'", "mend the header");
+                          "'little' or 'big'", "correct the header");
         }
         swap = endian == "big";
     }
@@ -237,7 +237,7 @@ Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
     }
     if (body.size() < bytes) {
         header.refuse(fmt::format("there are {} bytes of voxels", body.size()), fmt::format("{}", bytes),
-                      "the file is cut off; copy or export it again");
+                      "the file is truncated; copy or export it again");
     }
     volume.value = to_floats(body.first(bytes), type, swap);
     return volume;

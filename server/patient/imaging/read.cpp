@@ -46,8 +46,8 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
         return whole;
     } catch (const std::bad_alloc&) {
         channel.put(path.string() +
-                    ": reading it takes more memory than is allowed; expected a smaller volume. Remedy: crop "
-                    "it to head and neck.");
+                    ": reading exceeds the memory limit; expected a smaller volume. Remedy: crop it to head "
+                    "and neck.");
     } catch (const std::exception& error) {
         channel.put(error.what());
     }
@@ -81,9 +81,8 @@ LoadedVolume parse(const std::filesystem::path& path) {
             reading.volume = parse_nifti(data, name);
         } else {
             throw VolumeError(fmt::format(
-                "{}: its first bytes are those of no known format; expected NRRD (.nrrd), NIfTI (.nii, "
-                ".nii.gz), "
-                "DICOM (a folder) or an InVesalius project (.inv3). Remedy: export the CT as one of these.",
+                "{}: unknown format; expected NRRD (.nrrd), NIfTI (.nii, .nii.gz), DICOM (a folder) or an "
+                "InVesalius project (.inv3). Remedy: export the CT as one of these.",
                 name));
         }
     }
@@ -143,7 +142,7 @@ Format format_of(const std::filesystem::path& file) {
         return Format::nifti;
     }
     throw VolumeError(
-        fmt::format("{}: the name does not tell the format; expected it to end in .nrrd, .nii or "
+        fmt::format("{}: the name does not indicate the format; expected it to end in .nrrd, .nii or "
                     ".nii.gz. Remedy: rename it.",
                     file.string()));
 }

@@ -41,21 +41,20 @@ void require_valid(const Geometry& geometry, const std::string& file) {
     if (!geometry.origin.allFinite() || !geometry.step.allFinite() || !(spacing.minCoeff() >= min_spacing) ||
         !(spacing.maxCoeff() <= max_spacing)) {
         throw VolumeError(
-            fmt::format("{}: the voxels are {:.4g} x {:.4g} x {:.4g} mm apart; expected {:g} to {:g} mm. "
-                        "Remedy: mend spacing and directions in the program that wrote the file{}.",
+            fmt::format("{}: the voxel spacing is {:.4g} x {:.4g} x {:.4g} mm; expected {:g} to {:g} mm. "
+                        "Remedy: correct spacing and directions in the program that wrote the file{}.",
                         file, spacing.x() * 1e3, spacing.y() * 1e3, spacing.z() * 1e3, 1e3 * min_spacing,
                         1e3 * max_spacing,
                         1e3 * spacing.minCoeff() >= min_spacing && 1e3 * spacing.maxCoeff() <= max_spacing
-                            ? "; they seem to be in metres, where millimetres are meant"
+                            ? "; they seem to be in metres instead of millimetres"
                             : ""));
     }
     // Product of the sines of the angles between axes: 1 for an orthogonal grid, 0 for a degenerate one.
     const double spanned = geometry.voxel_volume() / spacing.prod();
     if (!(spanned > 0.5)) {
         throw VolumeError(
-            fmt::format("{}: the axes' directions do not span space (they enclose {:.2g} of a right-angled "
-                        "voxel; expected above 0.5). Remedy: mend the directions in the program that wrote "
-                        "the file.",
+            fmt::format("{}: the axes' directions are nearly dependent (determinant {:.2g}; expected above "
+                        "0.5). Remedy: correct the directions in the program that wrote the file.",
                         file, spanned));
     }
 }

@@ -123,11 +123,12 @@ ClusterSet read_clusters(const Group& group, std::size_t particles) {
     if (first.empty() ? !clusters.member.empty()
                       : first.front() != 0 || first.back() != clusters.member.size()) {
         throw hdf5::Error(
-            fmt::format("{}: does not begin at 0 and end at the number of members", group.at("first")));
+            fmt::format("{}: does not start at 0 and end at the number of members", group.at("first")));
     }
     for (std::size_t i = 1; i < first.size(); ++i) {
         if (first[i] < first[i - 1]) {
-            throw hdf5::Error(fmt::format("{}: value {} is less than the one before", group.at("first"), i));
+            throw hdf5::Error(
+                fmt::format("{}: value {} is less than the previous one", group.at("first"), i));
         }
     }
     require_indices(group, "member", clusters.member, particles, "particles");
@@ -252,7 +253,7 @@ Patient read(const Group& root) {
     const Group surfaces = root.open("surfaces");
     const std::size_t count = surfaces.integer("count");
     if (surfaces.members().size() != count) {
-        throw hdf5::Error(fmt::format("{}: holds {} surfaces, its count says {}", surfaces.place(),
+        throw hdf5::Error(fmt::format("{}: contains {} surfaces, but its count is {}", surfaces.place(),
                                       surfaces.members().size(), count));
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -274,9 +275,8 @@ hdf5::File open_model(const std::filesystem::path& path) {
     }
     const std::uint64_t found = file.root().integer("schema");
     if (found != schema) {
-        throw hdf5::Error(
-            fmt::format("{}: the model has schema {}, this program reads {}; build the model anew",
-                        path.string(), found, schema));
+        throw hdf5::Error(fmt::format("{}: the model has schema {}, this program reads {}; rebuild the model",
+                                      path.string(), found, schema));
     }
     return file;
 }

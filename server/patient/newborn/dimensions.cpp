@@ -223,7 +223,7 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
     list.push_back({"head circumference", 1e2 * head_circumference(patient, size), "cm",
                     1e2 * static_cast<double>(head.mean - 2.0f * head.deviation),
                     1e2 * static_cast<double>(head.mean + 2.0f * head.deviation),
-                    "Keen & Pearce 1988, Arch Dis Child 63, of the age, 2 SD"});
+                    "Keen & Pearce 1988, Arch Dis Child 63, for the age, 2 SD"});
     // Published values of term newborns; `power` 1 for lengths, 2 for areas.
     const auto of_term = [&](const char* name, double value, const char* unit, double low, double high,
                              int power, const std::string& source) {
@@ -231,7 +231,7 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
         const bool other = std::abs(grown - 1.0) > 0.01;
         list.push_back(
             {name, value, unit, low * by, high * by,
-             other ? source + "; of term newborns, carried to this weight by its cube root" : source});
+             other ? source + "; of term newborns, scaled to this weight by its cube root" : source});
     };
     const Jaw jaw = measure_jaw(patient);
     of_term("mandible, between the gonia", 1e3 * jaw.gonial_width, "mm", 63.6 - 2 * 6.8, 63.6 + 2 * 6.8, 1,
@@ -248,7 +248,7 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
     of_term("glottis, length", 1e3 * distance(Landmark::glottis_anterior, Landmark::glottis_posterior), "mm",
             4.2, 6.6, 1, "Sato 2015, Laryngoscope 125:E186, 2 SD");
     of_term("glottis, area", 1e6 * polygon_area(patient.glottis_contour), "mm^2", 7.5, 8.2, 2,
-            "Sato 2015, means of girls and boys at rest; the model's stand apart as in breathing in");
+            "Sato 2015, means of girls and boys at rest; the model's cords are abducted as in inspiration");
     of_term("vocal cords to carina", 1e3 * distance(Landmark::glottis, Landmark::carina), "mm", 0.95 * 50.4,
             1.05 * 53.0, 1, "Ann Otol Rhinol Laryngol 2001;110:268 and Anesth Analg Aug 2013, means, 5 %");
     const Vec3f below =
@@ -256,13 +256,13 @@ std::vector<Dimension> measure(const Patient& patient, float gestational_age) {
         0.2f * (rest_of(patient, Landmark::trachea_mid) - rest_of(patient, Landmark::glottis));
     const double subglottis = lumen_area(patient, below);
     of_term("subglottis, diameter", 1e3 * diameter_of(subglottis), "mm", 4.5, 5.0, 1,
-            "no published range at hand; usual teaching");
+            "no published range available; textbook value");
     // Pooled over all weights from the fifth month to birth, hence not scaled to one weight.
     list.push_back({"cricoid, area of the lumen", 1e6 * subglottis, "mm^2", 19.27 - 9.62, 19.27 + 9.62,
                     "19 stillborn and newborn of 5-9 months, Ann Otol Rhinol Laryngol 2008;117:774, 1 SD"});
     of_term("trachea, diameter",
             1e3 * diameter_of(lumen_area(patient, rest_of(patient, Landmark::trachea_mid))), "mm", 4.5, 5.5,
-            1, "no published range at hand; usual teaching");
+            1, "no published range available; textbook value");
     const BonePoses ready = pose_bones(patient.skeleton, {26.0f * degree, 29.0f * degree});
     const double to_glottis = static_cast<double>((posed_landmark(patient, Landmark::mouth_opening, ready) -
                                                    posed_landmark(patient, Landmark::glottis, ready))

@@ -47,9 +47,8 @@ Agreement agreement(const imaging::Mask& found, const imaging::Mask& truth,
         (found.geometry.step - truth.geometry.step).norm() > 1e-3 * truth.geometry.step.norm() ||
         (found.geometry.origin - truth.geometry.origin).norm() > 0.1 * truth.geometry.spacing().minCoeff()) {
         throw imaging::VolumeError(
-            "the two label volumes have different sizes or places; expected one grid. Remedy: compare labels "
-            "of "
-            "the same CT.");
+            "the two label volumes have different sizes or positions; expected the same grid. Remedy: "
+            "compare labels of the same CT.");
     }
     const imaging::Bits a = select_labels(found, labels);
     const imaging::Bits b = select_labels(truth, labels);

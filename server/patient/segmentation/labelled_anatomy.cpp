@@ -35,11 +35,11 @@ patient::Newborn newborn_of(const Registration& found) {
 Registration checked(const Registration& found) {
     const ShapeField& weight = shape_fields[0];
     if (found.off > max_off) {
-        throw imaging::VolumeError(fmt::format(
-            "a newborn's airway and jaw lie {:.1f} mm off the labels' on average; expected at "
-            "most {:.1f}. Remedy: "
-            "see that the labels are numbered as docs/anatomy/segment.md says and that left is left",
-            1e3 * found.off, 1e3 * max_off));
+        throw imaging::VolumeError(
+            fmt::format("a newborn's airway and jaw differ from the labels' by {:.1f} mm on average; "
+                        "expected at most {:.1f}. Remedy: check that the labels are numbered as in "
+                        "docs/anatomy/segment.md and that left and right are not swapped",
+                        1e3 * found.off, 1e3 * max_off));
     }
     if (found.weight < 0.8f * weight.low || found.weight > 1.5f * weight.high) {
         throw imaging::VolumeError(
@@ -100,7 +100,7 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
         if (any_spine) {
             wanted.push_back({spine_.emplace(), std::move(spine)});
         } else {
-            remarks_.push_back("no label of the spine: a newborn's was put in its place");
+            remarks_.push_back("no label of the spine: a newborn's was used");
         }
         find_distances(g, wanted);
     }
@@ -126,7 +126,7 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
     if (voxels(Label::tongue) > 0) {
         wanted.push_back({tongue_.emplace(), select(labels, {Label::tongue})});
     } else {
-        remarks_.push_back("no label of the tongue: a newborn's was put in its place");
+        remarks_.push_back("no label of the tongue: a newborn's was used");
     }
     // The plate is about 1.6 mm thick at term: its shape needs two voxels across it.
     const double thickness = 1.6e-3 * static_cast<double>(size);
@@ -134,8 +134,8 @@ LabelledAnatomy::LabelledAnatomy(const imaging::Mask& given_labels, const Points
         wanted.push_back({epiglottis_.emplace(), select(labels, {Label::epiglottis})});
     } else {
         remarks_.push_back(voxels(Label::epiglottis) > 0
-                               ? "the epiglottis is thinner than two voxels: a newborn's was put in its place"
-                               : "no label of the epiglottis: a newborn's was put in its place");
+                               ? "the epiglottis is thinner than two voxels: a newborn's was used"
+                               : "no label of the epiglottis: a newborn's was used");
     }
     find_distances(g, wanted);
     require_larynx(labels);

@@ -44,7 +44,7 @@ using Progress = std::function<bool(float, std::string_view)>;
 /// The user cancelled; nothing was written.
 class CancelledError : public std::runtime_error {
   public:
-    CancelledError() : std::runtime_error("stopped; nothing was written") {}
+    CancelledError() : std::runtime_error("interrupted; nothing was written") {}
 };
 
 }  // namespace eti::segmentation

@@ -45,27 +45,24 @@ std::string OrganCheck::implausibility(const imaging::Bits& organ, const OrganLi
     }
     const double beside = std::fabs(e.middle.x() - head_.middle(e.middle.y(), e.middle.z()));
     if (beside > limits.max_beside * head_.size) {
-        return fmt::format(
-            "what was found lies {:.0f} mm beside the mirror plane; expected at most {:.0f} mm", 1e3 * beside,
-            1e3 * limits.max_beside * head_.size);
+        return fmt::format("it lies {:.0f} mm beside the mirror plane; expected at most {:.0f} mm",
+                           1e3 * beside, 1e3 * limits.max_beside * head_.size);
     }
     const double smaller = std::min(e.left, 1.0 - e.left);
     if (smaller < limits.min_side) {
-        return fmt::format("{:.0f} % of what was found lie on one side; expected at most {:.0f} %",
+        return fmt::format("{:.0f} % of it lie on one side; expected at most {:.0f} %",
                            100.0 * (1.0 - smaller), 100.0 * (1.0 - limits.min_side));
     }
     const double below = head_.in_plane.z() - e.middle.z();
     if (below < limits.min_below * head_.size) {
-        return fmt::format(
-            "what was found lies {:.0f} mm below the cranium's centre; expected at least {:.0f} mm",
-            1e3 * below, 1e3 * limits.min_below * head_.size);
+        return fmt::format("it lies {:.0f} mm below the cranium's centre; expected at least {:.0f} mm",
+                           1e3 * below, 1e3 * limits.min_below * head_.size);
     }
     if (airway_.volume > 0.0) {
         const double behind = e.middle.y() - airway_.middle.y();
         if ((limits.before_airway && behind > 0.0) || (limits.behind_airway && behind < 0.0)) {
-            return fmt::format(
-                "what was found lies {:.0f} mm {} the airway's middle; expected on the other side",
-                1e3 * std::fabs(behind), behind > 0.0 ? "behind" : "in front of");
+            return fmt::format("it lies {:.0f} mm {} the airway's middle; expected on the other side",
+                               1e3 * std::fabs(behind), behind > 0.0 ? "behind" : "in front of");
         }
     }
     return {};
@@ -140,10 +137,10 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
             continue;  // organs that were not found, or were withdrawn, have no label
         }
         if (!present[value_of(label)]) {
-            contradictions.push_back(fmt::format(
-                "points '{}' were given, {} in number, and no label came of them. Remedy: see why in "
-                "the line of '{}', and move them in 3D Slicer (--landmarks), or leave them out.",
-                name, it->second.size(), name));
+            contradictions.push_back(
+                fmt::format("points '{}' ({} given) resulted in no label. Remedy: see the reason in the line "
+                            "of '{}', and move them in 3D Slicer (--landmarks), or omit them.",
+                            name, it->second.size(), name));
             continue;
         }
         std::size_t stray = 0;
@@ -158,9 +155,8 @@ void find_stray_seeds(const imaging::Mask& labels, const Points& points, const P
         }
         if ((by_hand && far) || 5 * stray > it->second.size()) {
             contradictions.push_back(
-                fmt::format("{} of {} points '{}' {} lie outside of its label, in {}; expected in it. "
-                            "Remedy: look at the "
-                            "picture and {} them in 3D Slicer (--landmarks).",
+                fmt::format("{} of {} points '{}' {} lie outside its label, in {}; expected inside. Remedy: "
+                            "look at the picture and {} them in 3D Slicer (--landmarks).",
                             stray, it->second.size(), name, by_hand ? "that were given" : "that were placed",
                             where, by_hand ? "move" : "place"));
         }

@@ -299,14 +299,15 @@ Bits grow_tongue(const Work& work, double jaw_depth, std::string& note) {
         }
     }
     if (soft_in_ball * 10 < in_ball * 9) {
-        note = "the place where it should be is not all soft tissue; give a landmark 'tongue'";
+        note = "its expected position is not entirely soft tissue; give a landmark 'tongue'";
         return {};
     }
     inside /= static_cast<double>(soft_in_ball);
     const float parting = otsu(sample);
     const float contrast = static_cast<float>(inside) - parting;
     if (std::fabs(contrast) < 2.0f) {
-        note = fmt::format("its grey value ({:.0f} HU) is that of its neighbours; label it by hand", inside);
+        note = fmt::format("its grey value ({:.0f} HU) equals that of its neighbours; label it manually",
+                           inside);
         return {};
     }
     std::vector<float> speed(core.size());
@@ -354,7 +355,7 @@ Structure look_for_larynx(const Geometry& g, const Bits& airway, const PlacedSee
         return larynx;
     }
     larynx.found = true;
-    larynx.note = fmt::format("part of the airway, which goes on to {:.0f} mm below the chin's middle",
+    larynx.note = fmt::format("part of the airway, which extends to {:.0f} mm below the chin's middle",
                               1e3 * (chin - lowest));
     return larynx;
 }
@@ -437,7 +438,7 @@ constexpr std::size_t max_voxels = std::size_t{1} << 26;
 
 Segmentation segment(const imaging::Volume& volume, const Points& given, const SegmentSettings& settings,
                      const Progress& progress) {
-    if (!progress(0.0f, "turning the volume upright")) {
+    if (!progress(0.0f, "rotating the volume upright")) {
         throw CancelledError();
     }
     require_ct(volume, settings);
@@ -467,7 +468,7 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
     structures.push_back({"airway", true, volume_of(g, work.map.airway), ""});
     structures.back().found = structures.back().volume > 0.0;
     if (structures.back().found && !work.map.airway_opens) {
-        structures.back().note = "it opens neither at the nose nor at the mouth; the largest space was taken";
+        structures.back().note = "it opens neither at the nose nor at the mouth; the largest space was used";
     }
     structures.push_back(larynx);
 
@@ -501,10 +502,10 @@ Segmentation segment(const imaging::Volume& volume, const Points& given, const S
                 found.note.clear();
             } else {
                 const bool by_hand = given.contains(name) && given.contains("skull");
-                found.note = fmt::format(
-                    "it could not be told from the skull; {}",
-                    by_hand ? "no neck of bone parts the given points: move them apart, or label it by hand"
-                            : fmt::format("give landmarks '{}' and 'skull'", name));
+                found.note = fmt::format("it could not be separated from the skull; {}",
+                                         by_hand ? "no narrow bridge of bone separates the given points: "
+                                                   "move them apart, or label it manually"
+                                                 : fmt::format("give landmarks '{}' and 'skull'", name));
             }
         }
         structures.push_back(found);

@@ -60,9 +60,8 @@ void require_same_grid(const imaging::Mask& labels, const imaging::Volume& ct) {
     if (a.size != b.size || (a.step - b.step).norm() > 1e-3 * b.step.norm() ||
         (a.origin - b.origin).norm() > 0.1 * b.spacing().minCoeff()) {
         throw imaging::VolumeError(
-            fmt::format("labels ({} x {} x {}) and CT ({} x {} x {}) do not lie on the same grid; expected "
-                        "the CT that was "
-                        "segmented. Remedy: give that CT.",
+            fmt::format("labels ({} x {} x {}) and CT ({} x {} x {}) are not on the same grid. Remedy: give "
+                        "the CT that was segmented.",
                         a.size[0], a.size[1], a.size[2], b.size[0], b.size[1], b.size[2]));
     }
 }
@@ -116,11 +115,9 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
         if (!surface.report.is_valid()) {
             const Vec3f at = 1e3f * surface.report.fault_at.value_or(Vec3f::Zero());
             throw imaging::VolumeError(
-                fmt::format("the surface of {} is not sound, first near ({:.1f}, {:.1f}, {:.1f}) mm: {}; "
-                            "expected a closed, "
-                            "manifold, oriented surface that does not cross itself. Remedy: mend the labels "
-                            "there, or allow "
-                            "more triangles.",
+                fmt::format("the surface of {} is not valid, first near ({:.1f}, {:.1f}, {:.1f}) mm: {}; "
+                            "expected a closed, manifold, oriented surface that does not cross itself. "
+                            "Remedy: correct the labels there, or allow more triangles.",
                             wanted.name, at.x(), at.y(), at.z(), surface.report.describe()));
         }
         surfaces.push_back(std::move(surface));

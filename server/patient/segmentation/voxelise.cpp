@@ -42,10 +42,10 @@ std::size_t named(const std::filesystem::path& file) {
             return k;
         }
     }
-    throw imaging::VolumeError(fmt::format(
-        "{}: its name does not tell what it bounds; expected skin, airway, bone, mandible, spine, tongue or "
-        "epiglottis in it. Remedy: rename the file.",
-        file.string()));
+    throw imaging::VolumeError(
+        fmt::format("{}: its name does not indicate the structure; expected skin, airway, bone, mandible, "
+                    "spine, tongue or epiglottis in it. Remedy: rename the file.",
+                    file.string()));
 }
 
 struct Surface {
@@ -92,9 +92,8 @@ imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double s
     std::ranges::stable_sort(surfaces, {}, &Surface::name);
     if (surfaces.empty() || names[surfaces.front().name].label != Label::soft) {
         throw imaging::VolumeError(
-            "there is no surface of the skin; expected one that encloses the others. Remedy: export it too, "
-            "named "
-            "'skin'.");
+            "there is no surface of the skin; expected one that encloses the others. Remedy: export it as "
+            "well, named 'skin'.");
     }
     imaging::Mask labels;
     imaging::Geometry& g = labels.geometry;

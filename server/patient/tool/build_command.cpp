@@ -112,14 +112,12 @@ Result write_surfaces_only(const BuildRequest& request, const imaging::Mask& lab
 Result build_labelled(const BuildRequest& request, const ShapeOptions& options) {
     if (options.any() || !request.scenario.empty()) {
         throw std::runtime_error(
-            "labels tell the patient's shape themselves; leave --scenario and options of the newborn's shape "
-            "out");
+            "labels define the patient's shape; omit --scenario and options of the newborn's shape");
     }
     const bool meshes = is_mesh_file(request.in.front());
     if (!meshes && request.in.size() > 1) {
         throw std::runtime_error(
-            fmt::format("{} is one too many; expected one volume of labels, or surfaces "
-                        "(.stl, .obj, .ply)",
+            fmt::format("unexpected {}; expected one volume of labels, or surfaces (.stl, .obj, .ply)",
                         request.in[1].string()));
     }
     constexpr double mesh_voxels = 0.5e-3;  // [m]
@@ -127,7 +125,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
         meshes ? voxelise(request.in, mesh_voxels, progress) : read_labels(request.in.front());
     const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
     const patient::BuildSettings settings = settings_of(request, {});
-    (void)progress(0.1f, "laying a newborn over the labels");
+    (void)progress(0.1f, "registering a newborn to the labels");
     std::optional<LabelledAnatomy> anatomy;
     try {
         anatomy.emplace(labels, given, progress);
@@ -144,8 +142,8 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     for (const patient::Invariant& i : patient::check_model(patient)) {
         if (!i.holds) {
             throw std::runtime_error(
-                fmt::format("{}: the labels make no sound model: {}: {}; nothing was written. Remedy: mend "
-                            "the labels there",
+                fmt::format("{}: the labels result in no valid model: {}: {}; nothing was written. Remedy: "
+                            "correct the labels there",
                             request.in.front().string(), i.name, i.found));
         }
     }
@@ -168,7 +166,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     provenance["registration_off_mm"] = fmt::format("{:.3f}", 1e3 * anatomy->registration().off);
     patient::save_patient(patient, request.out, provenance);
     Result result = report(patient, provenance, request.out);
-    result.text += fmt::format("a newborn lies {:.2f} mm off the labels on average\n",
+    result.text += fmt::format("a newborn differs from the labels by {:.2f} mm on average\n",
                                1e3 * anatomy->registration().off);
     return result;
 }
@@ -176,23 +174,20 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
 }  // namespace
 
 void add_build(CommandLine& app, Run& run) {
-    CommandLine build = app.add_subcommand("build", "Build a model that eti-server runs");
+    CommandLine build = app.add_subcommand("build", "Build a model for eti-server");
     const auto request = std::make_shared<BuildRequest>();
     build.add_option("IN", request->in,
                      "Labels numbered as eti-anatomy's (.nrrd, .nii, .nii.gz), or closed surfaces (.stl, "
-                     ".obj, .ply) whose "
-                     "names tell what they bound; without either the parametric newborn");
-    build.add_option(
-        "--landmarks", request->landmarks,
-        "Landmarks that count more than those found (3D Slicer, *.mrk.json), in the labels' frame");
-    build.add_option(
-        "--volume", request->volume,
-        "The CT that was segmented: surfaces then follow its grey values where no model can be built");
+                     ".obj, .ply) named after their structures; without either, the parametric newborn");
+    build.add_option("--landmarks", request->landmarks,
+                     "Landmarks that override those found (3D Slicer, *.mrk.json), in the labels' frame");
+    build.add_option("--volume", request->volume,
+                     "The CT that was segmented: if no model can be built, surfaces follow its grey values");
     build.add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
     const ShapeOptions shape(build);
     build.add_option("--out", request->out, "Model to write (*.h5)").required();
     build.add_number("--spacing-mm", request->spacing_mm,
-                     "Distance of particles in the bulk [2]; time grows with its inverse cube",
+                     "Distance of particles in the bulk [2]; time scales with its inverse cube",
                      {0.75f, 4.0f, "mm"});
     build.add_number("--fine-spacing-mm", request->fine_spacing_mm,
                      "Distance of particles at epiglottis and larynx [1]", {0.5f, 2.0f, "mm"});
@@ -201,7 +196,7 @@ void add_build(CommandLine& app, Run& run) {
         "Edges of the visible surfaces in the mouth [1]; finer at larynx and lips, coarser at the trunk",
         {0.7f, 1.5f, "mm"});
     build.add_number("--region-mm", request->region_mm,
-                     "Tissue farther than this from the airway only moves with the bones [10]",
+                     "Tissue farther than this from the airway moves rigidly with the bones [10]",
                      {4.0f, 40.0f, "mm"});
     build.add_number("--tissue-stiffness-kpa", request->stiffness_kpa,
                      "Young's modulus of tongue and mucosa [8]", {1.0f, 100.0f, "kPa"});

@@ -61,17 +61,16 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
     const patient::Alignment axes = patient::align_axes(patient, jaw_opening_deg * degree);
     const bool at_the_end = axes.head_elevation >= max_head_elevation - 1e-4f;
     result.text += fmt::format(
-        "\nmouth, pharynx and larynx come closest to one line at {:.1f} deg of head elevation{}, {:.1f} mm "
-        "off "
-        "it (the patient of Xiao et al. 2020: 26 deg)\n",
-        degrees(axes.head_elevation), at_the_end ? " (where the range ends)" : "", 1e3f * axes.off_line);
+        "\nthe axes of mouth, pharynx and larynx align best at {:.1f} deg of head elevation{}, within {:.1f} "
+        "mm (the patient of Xiao et al. 2020: 26 deg)\n",
+        degrees(axes.head_elevation), at_the_end ? " (the end of the range)" : "", 1e3f * axes.off_line);
     const auto line = [&](const char* when, const patient::AxisAngles& a) {
         result.text += fmt::format(
             "{}: mouth to pharynx {:.0f} deg, pharynx to larynx {:.0f} deg, sight to larynx {:.0f} deg\n",
             when, degrees(a.mouth_pharynx), degrees(a.pharynx_larynx), degrees(a.sight_larynx));
     };
     line("head not raised", axes.angles_at_rest);
-    line("head raised so", axes.angles);
+    line("head raised to that angle", axes.angles);
     result.text += "(adults, Adnet 2001, Anesthesiology 94:83: 87 -> 63, 7 -> 13)\n";
     const auto json_of = [&](const patient::AxisAngles& a) {
         return nlohmann::ordered_json{{"mouth_pharynx_deg", degrees(a.mouth_pharynx)},
@@ -93,7 +92,7 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
         {"particles", patient.particles.size()}, {"moving_particles", moving},
         {"clusters", patient.clusters.size()},   {"tetrahedra", patient.tetrahedra.corners.size()},
         {"links", patient.links.ends.size()},    {"surfaces", patient.surfaces.size()}};
-    result.text += faults == 0 ? "sound\n" : fmt::format("{} faults\n", faults);
+    result.text += faults == 0 ? "valid\n" : fmt::format("{} faults\n", faults);
     result.json["sound"] = faults == 0;
     result.status = faults == 0 ? 0 : status_refused;
     return result;
@@ -103,17 +102,17 @@ Result check_file(const std::filesystem::path& file, float jaw_opening_deg) {
 
 void add_check(CommandLine& app, Run& run) {
     CommandLine check = app.add_subcommand(
-        "check", "Test a model: what must hold, its dimensions beside published ones; fails on a fault");
+        "check", "Check a model: its invariants, and its dimensions beside published ones; fails on a fault");
     struct Typed {
         std::filesystem::path model;
         float jaw_opening_deg = 29.0f;
     };
     const auto typed = std::make_shared<Typed>();
-    check.add_option("MODEL", typed->model, "Model that 'build' wrote, or one of the server's cache")
+    check.add_option("MODEL", typed->model, "Model written by 'build', or one from the server's cache")
         .required();
     check
-        .add_number("--jaw-opening-deg", typed->jaw_opening_deg,
-                    "How far the mouth is open where the axes are compared", {0.0f, 35.0f, "deg"})
+        .add_number("--jaw-opening-deg", typed->jaw_opening_deg, "Jaw opening at which the axes are compared",
+                    {0.0f, 35.0f, "deg"})
         .capture_default_str();
     check.callback(
         [typed, &run] { run = [typed] { return check_file(typed->model, typed->jaw_opening_deg); }; });

@@ -28,9 +28,8 @@ imaging::Mask read_labels(const std::filesystem::path& file) {
     for (const float v : reading.volume.value) {
         if (v < 0.0f || v >= static_cast<float>(label_count) || v != std::floor(v)) {
             throw imaging::VolumeError(
-                fmt::format("{}: a value is {}; expected labels from 0 to {}. Remedy: give labels that "
-                            "eti-anatomy segment "
-                            "wrote, or number your own as docs/anatomy/segment.md says.",
+                fmt::format("{}: a value is {}; expected labels from 0 to {}. Remedy: use labels written by "
+                            "eti-anatomy segment, or number your own as in docs/anatomy/segment.md.",
                             file.string(), v, label_count - 1));
         }
         labels.value.push_back(static_cast<std::uint8_t>(v));

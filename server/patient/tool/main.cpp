@@ -119,7 +119,7 @@ Result run_segment(SegmentRequest request) {
     }
     result.json["turn_deg"] = found.turn / static_cast<double>(degree);
     if (found.turn > 5.0 * static_cast<double>(degree)) {
-        result.text += fmt::format("\nthe head lies turned by {:.0f} degrees from the file's directions\n",
+        result.text += fmt::format("\nthe head is rotated by {:.0f} degrees from the file's directions\n",
                                    found.turn / static_cast<double>(degree));
     }
     result.json["contradictions"] = found.contradictions;
@@ -128,7 +128,7 @@ Result run_segment(SegmentRequest request) {
         result.status = status_doubtful;
     }
     if (truth) {
-        result.text += "\nagainst the truth     Dice  mean surface distance [voxels]\n";
+        result.text += "\ncompared with truth   Dice  mean surface distance [voxels]\n";
         const std::array<std::pair<const char*, std::vector<Label>>, 5> compared = {
             {{"airway", {Label::airway}},
              {"bone", {Label::bone, Label::mandible, Label::spine}},
@@ -141,7 +141,7 @@ Result run_segment(SegmentRequest request) {
                 "{:<19} {:>6.3f}  {}\n", name, a.dice,
                 a.mean_surface_distance
                     ? fmt::format("{:.2f}", *a.mean_surface_distance)
-                    : fmt::format("none: only in {}", a.voxels_found > 0 ? "what was found" : "the truth"));
+                    : fmt::format("none: only in {}", a.voxels_found > 0 ? "the result" : "the truth"));
             result.json["agreement"][name] = {
                 {"dice", a.dice},
                 {"mean_surface_distance_voxels", a.mean_surface_distance
@@ -168,9 +168,9 @@ Result run_surfaces(const path& in, const path& ct_file, const path& folder,
         throw imaging::VolumeError(in.string() + ": " + error.what());
     }
     if (surfaces.empty()) {
-        throw imaging::VolumeError(in.string() +
-                                   ": there is no label but 0; expected a segmentation. Remedy: run "
-                                   "eti-anatomy segment first.");
+        throw imaging::VolumeError(
+            in.string() +
+            ": all labels are 0; expected a segmentation. Remedy: run eti-anatomy segment first.");
     }
     return write_surfaces(surfaces, folder);
 }
@@ -194,13 +194,11 @@ int main(int argc, char** argv) {
     double spacing_mm = 0.6;
     const ShapeOptions phantom_shape(phantom);
     double jaw_opening_deg = 0.0;
-    phantom
-        .add_number("--jaw-opening-deg", jaw_opening_deg, "How far the mouth is open in the volume",
-                    {0.0, 25.0, "deg"})
+    phantom.add_number("--jaw-opening-deg", jaw_opening_deg, "Jaw opening in the volume", {0.0, 25.0, "deg"})
         .capture_default_str();
     phantom
-        .add_number("--spacing-mm", spacing_mm,
-                    "Distance of the voxels; half of it takes eight times as long", {0.2, 3.0, "mm"})
+        .add_number("--spacing-mm", spacing_mm, "Voxel spacing; half of it takes eight times as long",
+                    {0.2, 3.0, "mm"})
         .capture_default_str();
     phantom
         .add_number("--noise-hu", phantom_settings.noise, "Standard deviation of the noise",
@@ -211,17 +209,16 @@ int main(int argc, char** argv) {
 
     CommandLine segment = app.add_subcommand(
         "segment",
-        "Cut a CT of head and neck into labels: airway, bone, mandible, spine, tongue, soft tissue");
+        "Segment a CT of head and neck into labels: airway, bone, mandible, spine, tongue, soft tissue");
     SegmentRequest request;
     // The range of a scanner's twelve bits.
     const NumberLimits<float> hounsfield{-1024.0f, 3071.0f, "HU"};
     double closing_mm = 1e3 * static_cast<double>(request.settings.closing);
     segment.add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project").required();
     segment.add_option("--out", request.out, "Labels to write (.nrrd, .nii, .nii.gz)").required();
-    segment.add_option(
-        "--landmarks", request.landmarks,
-        "Points 'mandible', 'skull', 'spine', 'tongue', 'mouth' to start from instead of the places found "
-        "(3D Slicer, *.mrk.json)");
+    segment.add_option("--landmarks", request.landmarks,
+                       "Points 'mandible', 'skull', 'spine', 'tongue', 'mouth' to start from instead of "
+                       "those found (3D Slicer, *.mrk.json)");
     segment.add_option("--picture", request.picture,
                        "Picture of the result (default: beside the labels, .png)");
     segment.add_option("--truth", request.truth, "Labels to compare the result with");
@@ -240,9 +237,9 @@ int main(int argc, char** argv) {
     path ct;
     path folder;
     SurfaceSettings surface_settings;
-    surfaces.add_option("LABELS", labels, "Labels that 'segment' wrote, or of the same numbers").required();
+    surfaces.add_option("LABELS", labels, "Labels written by 'segment', or with the same numbers").required();
     surfaces.add_option("--volume", ct, "The CT that was segmented: surfaces then follow its grey values");
-    surfaces.add_option("--out", folder, "Folder to write into; made if missing").required();
+    surfaces.add_option("--out", folder, "Output folder; created if missing").required();
     const NumberLimits<std::size_t> triangles{4, 10'000'000, "triangles"};
     surfaces.add_number("--skin-triangles", surface_settings.skin_triangles, "At most so many", triangles)
         .capture_default_str();
@@ -288,12 +285,10 @@ int main(int argc, char** argv) {
         remark(error.what());
         return status_interrupted;
     } catch (const std::bad_alloc&) {
-        remark(
-            "this takes more memory than there is; crop the volume to head and neck, or choose wider "
-            "spacing");
+        remark("out of memory; crop the volume to head and neck, or choose wider spacing");
         return status_refused;
     } catch (const std::exception& error) {
-        remark(stop_requested() ? "stopped; nothing was written" : error.what());
+        remark(stop_requested() ? "interrupted; nothing was written" : error.what());
         return stop_requested() ? status_interrupted : status_refused;
     }
 }

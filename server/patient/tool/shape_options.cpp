@@ -25,7 +25,7 @@ ShapeOptions::ShapeOptions(CommandLine& command) : typed_(std::make_shared<Typed
                            {field.low, field.high, std::string(field.unit)});
     }
     command
-        .add_option("--variant", typed_->variant, "Preset of the above; what is given beside it counts more")
+        .add_option("--variant", typed_->variant, "Preset of the above; values given explicitly override it")
         .one_of(std::vector<std::string>(airway_variant_names.begin(), airway_variant_names.end()));
 }
 

@@ -29,7 +29,7 @@ TABLES = {
 def count(text):
     """A whole number from 1 to a million."""
     if not text.isdecimal() or not 1 <= int(text) <= 1_000_000:
-        raise argparse.ArgumentTypeError(f"'{text[:40]}' is no count; expected a whole number from 1 to 1000000")
+        raise argparse.ArgumentTypeError(f"'{text[:40]}' is not a count; expected a whole number from 1 to 1000000")
     return int(text)
 
 
@@ -40,7 +40,7 @@ def minutes(text):
     except ValueError:
         value = math.nan
     if not 0.0 < value <= 10_080.0:
-        raise argparse.ArgumentTypeError(f"'{text[:40]}' is no time; expected a number above 0, at most 10080 minutes")
+        raise argparse.ArgumentTypeError(f"'{text[:40]}' is not a time; expected a number above 0, at most 10080 minutes")
     return value
 
 
@@ -49,7 +49,7 @@ def main():
     parser.add_argument("--bin", type=Path, default=runs.ROOT / "build/release/bin", help=argparse.SUPPRESS)
     parser.add_argument("--out", type=Path, default=Path("out/bench"),
                         help="folder for the tables (default: %(default)s)")
-    parser.add_argument("--only", choices=TABLES, action="append", help="this table; may be given several times")
+    parser.add_argument("--only", choices=TABLES, action="append", help="this table; may be repeated")
     parser.add_argument("--tries", type=count, default=50, metavar="N", help="joins of each kind (default: %(default)s)")
     parser.add_argument("--soak", type=minutes, metavar="MINUTES", help="how long programs come and go (default: 2; with "
                         "--quick 0.3; an hour shows what creeps)")

@@ -69,15 +69,17 @@ int main(int argc, char** argv) {
         eti::CommandLine sub = app.add_subcommand(part.name, part.help);
         eti::bus::add_options(sub, options.bus);
         const eti::NumberLimits<double> time{0.0, 1e6, "s"};
-        sub.add_number("--seconds", options.seconds, "Measure for so long", time).capture_default_str();
-        sub.add_number("--wait", options.wait_s, "Wait for the other end so long", time)
+        sub.add_number("--seconds", options.seconds, "Duration of the measurement", time)
             .capture_default_str();
-        sub.add_number("--stay", options.stay_s, "Go on after the report for so long", time);
-        sub.add_number("--rate", options.rate, "Of poses", {1.0, 10e3, "Hz"});
-        sub.add_flag("--drive", options.drive, "A join counts once the server answers a pose");
-        sub.add_flag("--every-state", options.every_state, "90 Hz of shapes, else 30 Hz");
-        sub.add_option("--keep", options.keep, "Write the states that arrived into this file");
-        sub.add_option("--other", options.other, "Such a file of another reader: what that one drew wrongly");
+        sub.add_number("--wait", options.wait_s, "Longest wait for the other end", time)
+            .capture_default_str();
+        sub.add_number("--stay", options.stay_s, "Continue for this time after the report", time);
+        sub.add_number("--rate", options.rate, "Rate of poses", {1.0, 10e3, "Hz"});
+        sub.add_flag("--drive", options.drive, "Count a join when the server answers a pose");
+        sub.add_flag("--every-state", options.every_state, "Receive shapes at 90 Hz instead of 30 Hz");
+        sub.add_option("--keep", options.keep, "Write the received states to this file");
+        sub.add_option("--other", options.other,
+                       "Such a file of another reader: report its rendering errors");
         sub.callback([&run, &part] { run = part.run; });
     }
     return eti::run_program(app, argc, argv, [&] {

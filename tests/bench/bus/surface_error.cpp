@@ -69,7 +69,7 @@ void save_chunks(const std::filesystem::path& file, const Chunks& chunks) {
     }
     out.close();
     if (!out) {
-        throw std::runtime_error(file.string() + ": could not be written; is the disk full?");
+        throw std::runtime_error(file.string() + ": cannot be written; is the disk full?");
     }
     unfinished.finish();
 }

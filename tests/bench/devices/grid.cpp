@@ -241,7 +241,7 @@ class Stage {
         const auto end = Clock::now() + patience;
         for (bool found = false; !found;) {
             if (Clock::now() > end) {
-                throw std::runtime_error("the blade met no wall within 20 s");
+                throw std::runtime_error("the blade reached no wall within 20 s");
             }
             (void)proxies_.wait(5ms);
             if (!proxies_.take_latest(proxy_) || proxy_.contacts().empty()) {

@@ -163,7 +163,7 @@ void run_beside_a_server(const HapticsOptions& options) {
         row("real_time", t.real_time ? 1.0 : 0.0, "1");
     };
     // Against the machine's baseline, measured in the same way at the same time.
-    spdlog::info("nothing but a timer, and the loop without a server: {:.0f} s", options.live_seconds);
+    spdlog::info("only a timer, and the loop without a server: {:.0f} s", options.live_seconds);
     loop_rows("empty loop", run_empty_loop(0.5 * options.live_seconds, false));
     loop_rows("loop without a server", run_loop_alone(0.5 * options.live_seconds));
     spdlog::info("a timer beside a server: {:.0f} s", 0.5 * options.live_seconds);

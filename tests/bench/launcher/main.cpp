@@ -24,20 +24,20 @@ struct Command {
 constexpr std::array<Command, 10> commands = {{
     {"speed", "eti-bench-physics", "Cost of the solver's parts"},
     {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
-    {"calibration", "eti-bench-physics", "What modulus bodies of clusters have, against the modulus put in"},
+    {"calibration", "eti-bench-physics", "Measured modulus of bodies of clusters over the input modulus"},
     {"stability", "eti-bench-physics", "Where every method survives, recovers or fails"},
-    {"sufficiency", "eti-bench-physics", "How the outcome of an intubation changes as the model shrinks"},
-    {"sleep", "eti-bench-physics", "What is lost and saved where tissue at rest sleeps"},
-    {"merge", "eti-bench-physics", "The tables of a sweep's shards (--shard I/N) put together"},
+    {"sufficiency", "eti-bench-physics", "Outcome of an intubation over the resolution of the model"},
+    {"sleep", "eti-bench-physics", "Effect and savings of sleeping tissue"},
+    {"merge", "eti-bench-physics", "Merge the tables of a sweep's shards (--shard I/N)"},
     {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
-    {"render", "eti-bench-render", "What one sees at moments of attempts, measured against goals"},
+    {"render", "eti-bench-render", "Image quality at moments of attempts, measured against goals"},
     {"bus", "eti-bench-bus", "Latency, joins, loss, observers and endurance of the bus"},
 }};
 
 void usage(std::FILE* to) {
     fmt::print(to,
                "Benchmarks of every part: charts and tables that decide the shipped settings.\n"
-               "Usage: eti-bench [--threads N] COMMAND [OPTION...]; COMMAND --help tells its options\n");
+               "Usage: eti-bench [--threads N] COMMAND [OPTION...]; COMMAND --help lists its options\n");
     for (const Command& command : commands) {
         fmt::print(to, "  {:<12} {}\n", command.name, command.description);
     }
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
         return 0;
     }
     if (!first.empty()) {
-        fmt::print(stderr, "eti-bench: '{}' is no command\n", eti::escaped(first, eti::max_shown_bytes));
+        fmt::print(stderr, "eti-bench: '{}' is not a command\n", eti::escaped(first, eti::max_shown_bytes));
     }
     usage(stderr);
     return 2;

@@ -13,7 +13,7 @@ namespace {
 template <typename Message>
 void apply_message(view::SceneView& scene, const Message& message) {
     if (!scene.apply(message)) {
-        throw std::runtime_error("the client refuses a message of the server; its log says which and why");
+        throw std::runtime_error("the client rejects a message of the server; see its log");
     }
 }
 

@@ -5,7 +5,7 @@
 #include "tests/bench/render/render_bench.hpp"
 
 int main(int argc, char** argv) {
-    eti::CommandLine app("What one sees, measured: pictures of scripted attempts against their goals.",
+    eti::CommandLine app("Image quality: measures pictures of scripted attempts against goals.",
                          "eti-bench-render");
     app.require_subcommand(1);
     eti::bench::RenderOptions options;
@@ -19,29 +19,27 @@ int main(int argc, char** argv) {
     const auto operators =
         render.add_option("--operator", options.operators, "Operators by name or path").capture_default_str();
     const eti::NumberLimits<int> side{64, 8192, "pixels"};
-    render.add_number("--width", options.width, "Of the pictures", side).capture_default_str();
-    render.add_number("--height", options.height, "Of the pictures", side).capture_default_str();
+    render.add_number("--width", options.width, "Size of the pictures", side).capture_default_str();
+    render.add_number("--height", options.height, "Size of the pictures", side).capture_default_str();
     const auto eyes =
         render.add_number("--eyes", options.eyes, "Eye poses for POGO", {0, 100000}).capture_default_str();
     const auto costs =
-        render
-            .add_number("--costs", options.costs, "Pictures of each view and size that are timed", {0, 10000})
+        render.add_number("--costs", options.costs, "Number of timed pictures per view and size", {0, 10000})
             .capture_default_str();
-    render.add_flag("--only-costs", options.only_costs, "Only those, of pictures of --width by --height");
+    render.add_flag("--only-costs", options.only_costs, "Only costs, of pictures of --width by --height");
     render
         .add_option("--quality", options.quality,
-                    "Whose cost is measured (default: what the driver can afford)")
+                    "Quality whose cost is measured (default: chosen by the driver)")
         .check([](const std::string& name) {
             return eti::render::quality_named(name) != nullptr
                        ? std::string{}
-                       : name + ": no such quality; low, medium or high";
+                       : name + ": unknown quality; expected low, medium or high";
         });
-    render.add_flag("!--no-pictures", options.pictures, "Only the table");
-    const auto golden =
-        render.add_option("--golden", options.golden,
-                          "Folder of small pictures to compare with: of every view as the blade comes in "
-                          "and at the best view");
-    render.add_flag("--renew", options.renew, "Write those pictures anew instead of comparing").needs(golden);
+    render.add_flag("!--no-pictures", options.pictures, "Write only the table");
+    const auto golden = render.add_option(
+        "--golden", options.golden,
+        "Folder of small pictures to compare with: every view when the blade enters and at the best view");
+    render.add_flag("--renew", options.renew, "Write these pictures instead of comparing").needs(golden);
     render.add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
     const auto work = [&] {
         if (quick) {

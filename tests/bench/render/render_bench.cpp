@@ -111,7 +111,7 @@ class Results {
         }
         table.close();
         if (!table) {
-            throw std::runtime_error(file.string() + ": could not be written; is the disk full?");
+            throw std::runtime_error(file.string() + ": cannot be written; is the disk full?");
         }
         fmt::print("tables: {}, {}\n", path_.string(), file.string());
     }

@@ -22,8 +22,7 @@ int main(int argc, char** argv) {
 
     eti::bench::SufficiencyOptions sufficiency;
     eti::CommandLine shrink = app.add_subcommand(
-        "sufficiency",
-        "How the outcome of a scripted intubation changes as the model shrinks (half an hour)");
+        "sufficiency", "Outcome of a scripted intubation over the resolution of the model (half an hour)");
     shrink.add_option("--out", sufficiency.out, "Folder for the table").capture_default_str();
     shrink.add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path").capture_default_str();
     shrink
@@ -35,14 +34,14 @@ int main(int argc, char** argv) {
     eti::CommandLine errors =
         app.add_subcommand("accuracy", "Error against cost of every method, in cases with a reference");
     errors.add_option("--out", accuracy.out, "Folder for the table").capture_default_str();
-    errors.add_flag("--quick", accuracy.quick, "A corner of the sweep");
+    errors.add_flag("--quick", accuracy.quick, "A small part of the sweep");
     errors.add_option("--only", accuracy.only, "One group of cases")
         .one_of(eti::bench::accuracy_group_names());
     eti::bench::CalibrationOptions calibration;
-    eti::CommandLine moduli = app.add_subcommand(
-        "calibration", "What modulus bodies of clusters have, against the modulus that is put in");
+    eti::CommandLine moduli =
+        app.add_subcommand("calibration", "Measured modulus of bodies of clusters over the input modulus");
     moduli.add_option("--out", calibration.out, "Folder for the table").capture_default_str();
-    moduli.add_flag("--quick", calibration.quick, "A corner of the sweep");
+    moduli.add_flag("--quick", calibration.quick, "A small part of the sweep");
     eti::bench::StabilityOptions stability;
     eti::CommandLine limits =
         app.add_subcommand("stability", "Where every method survives, recovers or fails");
@@ -52,26 +51,25 @@ int main(int argc, char** argv) {
         .one_of(eti::bench::stability_part_names());
     std::string shard;
     for (eti::CommandLine sweep : {shrink, errors, limits}) {
-        sweep.add_option(
-            "--shard", shard,
-            "I/N, as 0/4 to 3/4: only a share of the runs, into OUT/shard-I-of-N; 'merge' puts the "
-            "shares together");
+        sweep.add_option("--shard", shard,
+                         "I/N, such as 0/4 to 3/4: only a share of the runs, into OUT/shard-I-of-N; 'merge' "
+                         "combines the shares");
     }
     std::filesystem::path merged;
     std::vector<std::filesystem::path> shares;
     eti::CommandLine together =
-        app.add_subcommand("merge", "The tables of a sweep's shards as one process would have written them");
+        app.add_subcommand("merge", "Merge the tables of a sweep's shards, as written by one process");
     together.add_option("out", merged, "Folder for the tables").required();
     together.add_option("shards", shares, "Folders of all shards").required().existing_folder();
     eti::bench::SpeedOptions speed;
-    eti::CommandLine costs = app.add_subcommand(
-        "speed", "Cost of the solver's parts, with one thread and two, or with as many as --threads says");
+    eti::CommandLine costs =
+        app.add_subcommand("speed", "Cost of the solver's parts, with one thread and two, or with --threads");
     costs.add_flag("--json", speed.json, "Print one JSON object");
     costs.add_flag("--quick", speed.quick, "Fewer repetitions");
     costs.add_flag("--sweeps", speed.sweeps, "Only the scene's steps while posture and tissue change");
     eti::bench::SleepOptions sleep;
     eti::CommandLine resting = app.add_subcommand(
-        "sleep", "What an attempt loses and a step saves where tissue at rest sleeps (ten minutes)");
+        "sleep", "Effect of sleeping tissue on an attempt, and its savings per step (ten minutes)");
     resting.add_option("--out", sleep.out, "Folder for the tables").capture_default_str();
     resting.add_option("--scenario", sleep.scenarios, "Scenarios by name or path").capture_default_str();
     resting.add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");

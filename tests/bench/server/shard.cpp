@@ -48,7 +48,7 @@ Manifest read_manifest(const fs::path& folder) {
     std::ifstream in(folder / manifest_name);
     if (!in) {
         throw std::runtime_error(fmt::format(
-            "{}: has no {}: that shard has not ended well, or this is not the folder of one; run it again",
+            "{}: has no {}: the shard is incomplete, or this is not the folder of a shard; run it again",
             folder.string(), manifest_name));
     }
     try {
@@ -101,7 +101,7 @@ Shard::Shard(std::string_view text) : sharded_(true) {
     const std::optional<std::size_t> count = take_number(left);
     if (!index || !slash || !count || !left.empty() || *index >= *count) {
         throw std::invalid_argument(
-            fmt::format("'{}' is no shard I/N, with I from 0 to N - 1, as 0/4 to 3/4 are", text));
+            fmt::format("'{}' is not a shard I/N with I from 0 to N - 1, such as 0/4 to 3/4", text));
     }
     index_ = *index;
     count_ = *count;
@@ -139,9 +139,9 @@ void Shard::finish(const fs::path& folder, const std::string& command, const Set
     const fs::path manifest = folder / manifest_name;
     if (const std::string why = write_file_atomically(manifest, json.dump(2) + "\n"); !why.empty()) {
         throw std::runtime_error(fmt::format(
-            "{}: could not be written: {}; make room and run this shard again", manifest.string(), why));
+            "{}: cannot be written: {}; free some space and run this shard again", manifest.string(), why));
     }
-    spdlog::info("shard {} of {} is whole; when all are: eti-bench merge OUT {}", index_, count_,
+    spdlog::info("shard {} of {} is complete; when all are: eti-bench merge OUT {}", index_, count_,
                  (folder.parent_path() / fmt::format("shard-*-of-{}", count_)).string());
 }
 
@@ -163,8 +163,9 @@ int merge(const fs::path& out, const std::vector<fs::path>& shards) {
         }
         for (const std::string& name : shard.tables) {
             if (fs::path(name).filename() != name) {
-                throw std::runtime_error(fmt::format("{}: '{}' is no table's name; run that shard again",
-                                                     (folder / manifest_name).string(), name));
+                throw std::runtime_error(
+                    fmt::format("{}: '{}' is not the name of a table; run that shard again",
+                                (folder / manifest_name).string(), name));
             }
             read_rows(folder / name, shard, tables[name]);
         }

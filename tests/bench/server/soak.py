@@ -71,7 +71,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="(default: %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("out/soak"), help="folder for the table (default: %(default)s)")
-    parser.add_argument("--fast", action="store_true", help="ignore the clock and leave out the bus")
+    parser.add_argument("--fast", action="store_true", help="without real-time pacing and without the bus")
     parser.add_argument("--hours", type=float, default=1.0, help="of simulation (default: %(default)s)")
     parser.add_argument("--minutes", type=float, default=7 * 24 * 60.0, help="of real time, at most (default: a week)")
     parser.add_argument("--scenario", default=ROOT / "tests/bench/server/soak.yaml", help="(default: %(default)s)")

@@ -66,8 +66,8 @@ class Hands(support.Programs):
         self.start("client", "eti-client", "--hands", "--tutorial", "off", "--sound", "off", "--view", "section", "--size",
                    "640x360", "--quality", "low", "--json")
         window = self.display.find("NeoETI")
-        self.wait_for("client", "mouse and keys hold laryngoscope and tube")
-        self.wait_for("client", "shows the patient")
+        self.wait_for("client", "mouse and keys control laryngoscope and tube")
+        self.wait_for("client", "showing the patient")
         self.drag(1, 300, 200, 30, 20)    # the tool is held and moved
         self.drag(3, 300, 200, 40, 0)     # the hand is swung about the tip
         self.display.key("Tab")

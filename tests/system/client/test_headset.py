@@ -25,7 +25,7 @@ class Headset(support.Programs):
         os.environ.update(ETI_HEADSET_FOLDER=str(worn), XR_RUNTIME_JSON=str(RUNTIME))
         os.environ.pop("DISPLAY", None)
         self.start("client", "eti-client", "--view", "hmd", "--quality", "low", "--json")
-        self.wait_for("client", "64 x 64 pixels an eye")
+        self.wait_for("client", "64 x 64 pixels per eye")
         server = self.start("server", "eti-server", "--scenario", "term", "--operator", "expert", "--steps", STEPS_TO_THE_VIEW,
                             "--json")
         server.wait(150)

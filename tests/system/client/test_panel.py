@@ -37,7 +37,7 @@ class Panel(support.Programs):
     def open_client(self, *options):
         self.start("client", "eti-client", "--size", f"{WIDTH}x{HEIGHT}", "--view", "eye", "--quality", "low", "--json",
                    *options)
-        self.wait_for("client", "shows the patient")
+        self.wait_for("client", "showing the patient")
         self.display.find("NeoETI")
         time.sleep(2)  # nothing reports when the window has the keyboard focus
 

@@ -32,13 +32,13 @@ class Demo(support.Case):
         folder = Path(next(line.split()[-1] for line in done.stdout.splitlines() if line.startswith("Session file")))
         RESULT.write_text(json.dumps({"folder": str(folder.parent), "stdout": done.stdout, "stderr": done.stderr}))
         self.assertIn("The trachea was intubated:", done.stdout)
-        for kind in ("Pictures", "Video", "Forces were whole", "The server fell behind"):
+        for kind in ("Pictures", "Video", "Forces were complete", "The server fell behind"):
             self.assertIn(kind, done.stdout)
         if "was built without the page" not in done.stderr:     # which needs npm
             self.assertIn("Report", done.stdout)
         for role in ("server", "haptics", "tracker", "controller", "trainee", "observer"):
             self.assertIn(f"{role} ended.", done.stderr)
-        self.assertIn("The assistant gave 2 commands, 2 were accepted.", done.stdout)
+        self.assertIn("The assistant sent 2 commands, 2 were accepted.", done.stdout)
         for device in ("simulated", "scripted"):
             self.assertIn(f"device: {device}\n", (folder.parent / f"{device}.yaml").read_text())
         for role in ("haptics", "tracker"):

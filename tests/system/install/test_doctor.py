@@ -75,7 +75,7 @@ class Doctor(support.Programs):
         done = support.run("eti-doctor", "--duration", 1, *self.bus)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("to do: start eti-server", done.stdout)
-        self.assertIn("to mend.", done.stdout.splitlines()[-1])
+        self.assertIn("to fix.", done.stdout.splitlines()[-1])
 
     def test_usage_error_has_its_own_exit_status(self):
         self.assertEqual(support.run("eti-doctor", "--duration", "never").returncode, 2)
@@ -89,7 +89,7 @@ class Doctor(support.Programs):
         up = [*in_empty_network(), "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
         report = self.doctor("--network", wrapper=up)
         self.assertEqual(self.finding(report, "network", "lo")["state"], "well")
-        self.assertIn("leave --network", self.finding(report, "network", "others")["remedy"])
+        self.assertIn("omit --network", self.finding(report, "network", "others")["remedy"])
 
     def test_small_shared_memory_is_reported(self):
         report = self.doctor(wrapper=support.on_file_system("size=1m", "/dev/shm"))

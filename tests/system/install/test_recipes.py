@@ -81,7 +81,7 @@ class Recipes(support.Case):
         self.assertIn("not intubated: ", done.stderr)
         done = self.shell("deploy/ci/judge.sh term expert", PATH=path, ETI_STATE_HASH="0000000000000000")
         self.assertEqual(done.returncode, 1)
-        self.assertIn("other bits: ", done.stderr)
+        self.assertIn("different bits: ", done.stderr)
         bits = result("expert")["state_hash"]
         self.assert_intubated(self.shell("deploy/ci/judge.sh term expert", PATH=path, ETI_STATE_HASH=bits))
         self.assertNotEqual(self.shell("deploy/ci/judge.sh nobody").returncode, 0)

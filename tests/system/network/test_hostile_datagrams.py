@@ -50,7 +50,7 @@ class HostileDatagrams(support.Case):
         for _ in range(3):
             send_to_all(hostile.DEADLY)
             send_to_all(hostile.key_fragments())
-        self.session.wait_for("server", "is not sound RTPS was dropped")
+        self.session.wait_for("server", "is not well-formed RTPS was dropped")
         self.assert_lives()
 
     def test_heartbeats_with_huge_sequence_numbers(self):
@@ -62,7 +62,7 @@ class HostileDatagrams(support.Case):
                 if not address.startswith("239."):
                     sender.sendto(heartbeat, (address, port))
         for role in ("haptics", "tracker", "observer"):
-            self.session.wait_for(role, "more samples than it can have written was dropped")
+            self.session.wait_for(role, "more samples than its writer can have written was dropped")
         self.assert_lives()
 
     def test_mutated_session_traffic(self):
@@ -90,7 +90,7 @@ class HostileHandshakes(support.Programs):
         send_to_all(introduction)
         time.sleep(0.5)  # the library creates the stranger's endpoints
         send_to_all(handshake)
-        self.wait_for("server", "is not sound RTPS was dropped")
+        self.wait_for("server", "is not well-formed RTPS was dropped")
         listed = support.run("eti-controller", "--list", *self.bus, "--identity", lab / "instructor")
         self.assertEqual(listed.returncode, 0, listed.stderr)
         self.stop("server")

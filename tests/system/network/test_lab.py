@@ -251,8 +251,8 @@ class Refused(support.Case):
         self.assertIn("No such file", self.refused("--hosts", self.folder / "none", "--meet", "multicast"))
 
     def test_contradictory_options_are_refused(self):
-        self.assertIn("nobody would meet", self.refused("--no-multicast", "--meet", "multicast"))
-        self.assertIn("real machines", self.refused("--hosts", self.folder, "--loss", 1))
+        self.assertIn("would not find each other", self.refused("--no-multicast", "--meet", "multicast"))
+        self.assertIn("simulated networks", self.refused("--hosts", self.folder, "--loss", 1))
         self.assertIn("no identity", self.refused("--security", "--meet", "discovery"))
 
 

@@ -57,7 +57,7 @@ class Roles(support.Programs):
 
     def draws(self, role):
         """Waits until it draws the patient: before that nothing can be picked."""
-        self.wait_for(role, "shows the patient")
+        self.wait_for(role, "showing the patient")
         return self.display.window(self.running[role])
 
     def said_by_server(self, words):
@@ -142,10 +142,10 @@ class Roles(support.Programs):
             time.sleep(0.4)  # some pictures of that size
         self.running["server"].kill()
         self.running["server"].wait()
-        self.wait_for("trainee", "the server is lost; waiting for one")
+        self.wait_for("trainee", "connection to the server lost; waiting for a server")
         self.record.unlink()
         self.start_server()
-        self.wait_for("trainee", "a server is back")
+        self.wait_for("trainee", "connected to a server again")
         time.sleep(1)  # some pictures of its scene
         report = self.end("trainee")
         self.assertEqual(report["end"], "stopped")
@@ -162,7 +162,7 @@ class Roles(support.Programs):
         begin = time.monotonic()
         done = support.run("eti-client", "--wait", "2", "--session", support.SESSION, "--domain", support.DOMAIN,
                            env=self.display.environment)
-        self.assert_refused(done, "no server for 2 s (--wait)", support.SESSION)
+        self.assert_refused(done, "no server found for 2 s (--wait)", support.SESSION)
         self.assertGreater(time.monotonic() - begin, 2)
 
 

@@ -134,7 +134,7 @@ class Security(support.Programs):
                 self.assert_refused(old, "old/certificate.pem", "expired on 2020-01-31", "--renew")
                 self.assertNotIn("UDP ports", old.stderr)
                 cut = support.run(program, *arguments, *self.bus, "--identity", broken)
-                self.assert_refused(cut, "broken/governance.p7s", "cut short")
+                self.assert_refused(cut, "broken/governance.p7s", "is truncated")
 
 
 if __name__ == "__main__":

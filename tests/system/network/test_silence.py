@@ -27,7 +27,7 @@ class Silence(support.Programs):
         self.serve_with("freeze")
         self.running["haptics"].kill()
         self.running["haptics"].wait()
-        self.wait_for("server", "time stands still")
+        self.wait_for("server", "simulation paused")
         began = time.monotonic()
         time.sleep(0.5)  # pending output is in the log
         before, behind = self.simulated()
@@ -52,7 +52,7 @@ class Silence(support.Programs):
     def test_frozen_server_can_be_stopped(self):
         self.serve_with("freeze")
         self.running["haptics"].kill()
-        self.wait_for("server", "time stands still")
+        self.wait_for("server", "simulation paused")
         answered = support.run("eti-controller", "--set", "head_elevation_deg=5", *self.bus)
         self.assertEqual(answered.returncode, 0, answered.stderr)
         self.stop("server")

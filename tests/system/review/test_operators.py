@@ -131,7 +131,7 @@ laryngoscope:
     tip: {at: mouth_opening, offset_mm: [0, -40, 20]}
 """)
         self.assertGreater(parameters["gum_force_n"]["max"], 50)
-        for finding in ("mm from where the laryngoscope is stopped", "the upper gum bears"):
+        for finding in ("mm from the constrained laryngoscope", "N on the upper gum and"):
             line, = [line for line in said.splitlines() if finding in line]
             self.assertIn("in stage 'withdraw' of the laryngoscope", line)
 

@@ -127,7 +127,7 @@ class Replay(support.Programs):
         self.record_expert(1)
         self.replay("--pause")
         second = support.run("eti-review", "replay", self.record, *map(str, self.bus))
-        self.assert_refused(second, "already run by the server")
+        self.assert_refused(second, "already run by server")
         other = support.run("eti-review", "replay", self.record, "--speed", "8", "--session",
                             f"{support.SESSION}-b", "--domain", str(support.DOMAIN))
         self.assertEqual(other.returncode, 0, other.stderr)

@@ -186,7 +186,7 @@ class Report(support.Case):
         self.assertEqual((len(columns), len(expected)), (3, 2))
         for column, score in zip(columns, expected):
             self.assertIn(f"{score['grade']:.1f} of 5\n", column.text)
-            self.assertIn("It has seen no human data", column.text)
+            self.assertIn("No human data was used", column.text)
             self.assertIn(score["statement"], column.text)
             shown = self.contributions(column)
             self.assertGreater(len(shown), 3)
@@ -198,13 +198,13 @@ class Report(support.Case):
                     small += 1
                 else:
                     label, odds = shown.pop(one["key"])
-                    self.assertEqual(label, one["label"] + ("" if one["measured"] else ": not reached, so it counts as the worst"))
+                    self.assertEqual(label, one["label"] + ("" if one["measured"] else ": not reached, counted as the worst value"))
                     self.assertAlmostEqual(odds, one["log_odds"], delta=0.005 + 1e-9)
             self.assertEqual(shown, {})
             self.assertEqual(f"{small} more contribute less than 0.05 each" in column.text, small > 0)
         self.assertIn("\nIntubated\n", columns[0].text)
         self.assertIn("\nNot intubated\n", columns[1].text)
-        self.assertIn("time to the first view of the glottis: not reached, so it counts as the worst", columns[1].text)
+        self.assertIn("time to the first view of the glottis: not reached, counted as the worst value", columns[1].text)
         # An unknown outcome has no grade.
         self.assertIn("Not scored, as the outcome is unknown", columns[2].text)
         self.assertEqual(columns[2].find_elements(By.CSS_SELECTOR, "[data-grade], tr"), [])
@@ -226,7 +226,7 @@ class Report(support.Case):
             return support.run("eti-review", "report", recording("expert"), "--out", self.folder / "out", *arguments,
                                timeout=120, env=environment)
 
-        for broken, found in (("", "the file is empty"), ("\0\1\2", "no UTF-8 text"),
+        for broken, found in (("", "the file is empty"), ("\0\1\2", "not valid UTF-8"),
                               (shipped[:shipped.index("features:")], "features"),
                               (shipped[:shipped.index("weight:")], "not valid YAML"),
                               (shipped.replace("thresholds:", "tresholds:"), "thresholds"),
@@ -236,17 +236,17 @@ class Report(support.Case):
             self.assertEqual(done.returncode, 1, done.stdout)
             self.assertIn(str(shadow), done.stderr)
             self.assertIn(found, done.stderr)
-            self.assertIn("--score none writes the report without a score", done.stderr)
+            self.assertIn("use --score none to write the report without a score", done.stderr)
         done = report("--score", "absent")
         self.assertEqual(done.returncode, 1)
         self.assertIn("'absent' is neither a file nor a name in", done.stderr)
-        self.assertIn("--score none writes", done.stderr)
+        self.assertIn("use --score none to", done.stderr)
         self.assertFalse((self.folder / "out").exists())
         done = report("--score", "none")
         if "was built without the page" in done.stderr:
             self.skipTest(done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertNotIn("no human data", (self.folder / "out" / "report.html").read_text())
+        self.assertNotIn("No human data", (self.folder / "out" / "report.html").read_text())
 
     def test_report_without_score_on_phone_and_in_print(self):
         rated = Path(shutil.copy(recording("expert"), self.folder / "rated.eti.h5"))

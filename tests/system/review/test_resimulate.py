@@ -161,7 +161,7 @@ class Resimulate(support.Programs):
             self.assertIn(words, reason)
         said = support.run("eti-server", "--resimulate", self.record)
         self.assertEqual(said.returncode, 1)
-        self.assertIn("first to differ: step 401 (2.228 s), tools/", said.stdout)
+        self.assertIn("first difference: step 401 (2.228 s), tools/", said.stdout)
 
     def test_overridden_parameter_changes_outcome(self):
         live = self.record_expert(8)  # the blade has gone in and lifts
@@ -175,8 +175,8 @@ class Resimulate(support.Programs):
         self.assertNotEqual(stiff["first_difference"]["series"], "tissue/tissue_stiffness", "which was set")
         self.assertEqual(stiff["reasons"][0], "set here: tissue_stiffness_kpa=40")
         said = support.run("eti-server", "--resimulate", self.record, "--set", "patient.jaw_opening_deg=0")
-        self.assertRegex(said.stdout, r"\* force on the tongue, greatest +N +[\d.]+ +[\d.]+")
-        self.assertRegex(said.stdout, r"\* glottic opening seen, greatest +% +[5-9]\d(\.\d+)? +[0-4](\.\d+)?\n")
+        self.assertRegex(said.stdout, r"\* force on the tongue, maximum +N +[\d.]+ +[\d.]+")
+        self.assertRegex(said.stdout, r"\* glottic opening seen, maximum +% +[5-9]\d(\.\d+)? +[0-4](\.\d+)?\n")
 
     def test_unfinished_or_damaged_file_is_simulated_partly(self):
         self.record = self.folder / "run.eti.h5"
@@ -207,7 +207,7 @@ class Resimulate(support.Programs):
             mended = self.resimulate()
             self.assertEqual(mended["steps"], steps)
             self.assertTrue(mended["equal"])
-        self.assertIn("at step 181 the file holds no pose", mended["ended_early"])
+        self.assertIn("at step 181 the file lacks the pose", mended["ended_early"])
 
     def test_ctrl_c_reports_partial_result(self):
         self.record = recording("novice")

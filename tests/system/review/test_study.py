@@ -117,7 +117,7 @@ class Study(support.Case):
         again = support.run("eti-server", "--resimulate", file, timeout=300)
         self.assertEqual(again.returncode, 0, again.stderr + again.stdout)
         waits = support.run("eti-server", "--scenario", "manikin", "--operator", "expert", "--no-dds", "--fast", "--steps", 2)
-        self.assertIn("stage 'wait beside the mouth': waits for 25 % of the glottis", waits.stderr)
+        self.assertIn("stage 'wait beside the mouth': waits until 25 % of the glottis", waits.stderr)
         self.assertNotIn("lift further", waits.stderr)  # it does not wait
 
     def test_sessions_done_by_another_runner_are_skipped(self):
@@ -262,7 +262,7 @@ class Study(support.Case):
         self.run_study(*SHORT)
         self.assertEqual(before, {file: file.stat().st_mtime_ns for file in self.out.glob("*/*.eti.h5")})
         self.study.write_text(STUDY.replace("seed: 5", "seed: 6"))
-        self.assert_refused(self.run_study(status=1), "not the one that was given", self.out / "study.yaml")
+        self.assert_refused(self.run_study(status=1), "differs from the given one", self.out / "study.yaml")
 
     def test_one_participant_alone(self):
         done = self.run_study("--participant", "P02", *SHORT)
@@ -275,7 +275,7 @@ class Study(support.Case):
         done = subprocess.run([support.BIN / "eti-review", "study", self.study, "--out", self.out, "--no-dds", "--fast", *SHORT],
                               input="\nq\n", capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 130, done.stderr)
-        self.assertIn("P01: condition one (term). Enter begins", done.stdout)
+        self.assertIn("P01: condition one (term). Enter starts it", done.stdout)
         self.assertIn("1 of 2 sessions done", done.stdout)
 
     def test_ratings_and_answers_survive_anonymised_copy(self):
@@ -299,11 +299,11 @@ class Study(support.Case):
         copy = self.folder / "copy.eti.h5"
         self.review("anonymise", file, "--out", copy, "--participant", "P9")
         self.assertNotIn(b"hopper", copy.read_bytes())
-        self.assertIn("sound", self.review("check", copy).stdout)
+        self.assertIn("valid", self.review("check", copy).stdout)
         with h5py.File(copy) as session, h5py.File(file) as before:
             self.assertEqual(session["meta/more"].attrs["participant"], "P9")
             numpy.testing.assert_array_equal(session["tools/proxy_pose"][:], before["tools/proxy_pose"][:])
-        self.assert_refused(self.review("anonymise", file, "--out", copy, status=1), "not replaced")
+        self.assert_refused(self.review("anonymise", file, "--out", copy, status=1), "not overwritten")
 
     def test_questionnaire_runs_in_terminal(self):
         file = self.record()
@@ -317,7 +317,7 @@ class Study(support.Case):
         os.close(mine)
         os.close(theirs)
         self.assertEqual(process.returncode, 0, output)
-        self.assertIn("'9' is no answer", output)
+        self.assertIn("'9' is not a valid answer", output)
         self.assertIn("2 of 2 questions answered", output)
         with h5py.File(file) as session:
             self.assertEqual(list(session["answers/answer"].asstr()), ["2", "yes"])

@@ -149,7 +149,7 @@ class Lab(unittest.TestCase):
             (("--role", "doctor"), 1, "there is no role 'doctor'"),
             (("--role", "tube:../x"), 1, "1 to 48 letters"),
             (("--role", "tube:authority"), 1, "not 'authority'"),
-            (("--role", "tube", "--role", "tube"), 1, "two identities of one name"),
+            (("--role", "tube", "--role", "tube"), 1, "two identities with the same name"),
             (("--days", "0"), 2, "1 to 7300"),
             (("--from", "tomorrow"), 2, "expected a date"),
             (("--domain", "233"), 2, "0 to 232"),

@@ -91,7 +91,7 @@ class Watching(unittest.TestCase):
         self.assertTrue(session.watch())
         self.assertEqual(session.finish(), ["trainee"])
         self.assertEqual(session.programs["trainee"].exit_code(), 0)
-        self.heard("trainee did not end by itself")
+        self.heard("trainee did not exit")
 
     def test_unresponsive_process_is_killed(self):
         session = self.session(server=SOON_DONE, trainee=DEAF, **OTHERS_DONE)
@@ -134,7 +134,7 @@ class Pace(unittest.TestCase):
     def test_table_reports_pace_of_server_and_haptics(self):
         # 3600 steps of 1/180 s are 20 s, in 25 s of wall time.
         self.assertEqual(session_run.pace(self.SERVER, self.HAPTICS),
-                         ["Forces were whole       99.6 % of the time",
+                         ["Forces were complete    99.6 % of the time",
                           "Largest force felt      3.1 N",
                           "The server fell behind  20.0 % of the time (5.0 s in 25.0 s)",
                           "A step took             2.0 ms, one in a hundred more than 4.5 ms, of 5.6 ms"])
@@ -151,7 +151,7 @@ class Folders(unittest.TestCase):
 
     def test_unwritable_folder_is_refused(self):
         text = self.refusal(Path("/proc/demo"))
-        self.assertIn("cannot write into /proc/demo", text)
+        self.assertIn("cannot write to /proc/demo", text)
         self.assertIn("Remedy: choose another folder, or --out DIR", text)
 
     def test_full_disk_is_refused(self):

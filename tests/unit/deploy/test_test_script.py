@@ -176,7 +176,7 @@ class TestScript(unittest.TestCase):
         os.killpg(started.pid, signal.SIGINT)
         said = started.communicate(timeout=60)[1]
         self.assertEqual(started.returncode, 130, said)
-        self.assertIn("The same command goes on from here", said)
+        self.assertIn("The same command resumes from here", said)
         (self.root / "second").touch()
         self.assert_ends_with(self.run_tests(cases, "--quick"), "1 passed, 0 failed", 0)
 

@@ -231,7 +231,7 @@ def shard(text):
     """(I, N) of "I/N"."""
     index, slash, number = text.partition("/")
     if not (slash and index.isdecimal() and number.isdecimal() and int(index) < int(number)):
-        raise argparse.ArgumentTypeError(f"'{text}' is no shard I/N, with I from 0 to N - 1")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a shard I/N with I from 0 to N - 1")
     return int(index), int(number)
 
 
@@ -270,14 +270,14 @@ def main():
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--spacing-mm", type=float, default=3.0, help="particles of the bulk; half of it where fine")
-    parser.add_argument("--intubate", action="store_true", help="also let the expert try; slow")
+    parser.add_argument("--intubate", action="store_true", help="also let the expert intubate; slow")
     parser.add_argument("--weights", type=float, nargs="+", help="usual newborns of these weights, none at random")
     parser.add_argument("--grid", action="store_true", help="usual newborns of every weight and age, none at random")
     parser.add_argument("--jobs", type=int, default=1, help="newborns at a time")
-    parser.add_argument("--out", type=Path, help="CSV file of all newborns; goes on where it ends")
+    parser.add_argument("--out", type=Path, help="CSV file of all newborns; resumed at its end")
     share = parser.add_mutually_exclusive_group()
     share.add_argument("--shard", type=shard, default=(0, 1), help="I/N: only every N-th newborn, from the I-th on")
-    share.add_argument("--merge", type=Path, nargs="+", help="examine none; put these files of all shards together")
+    share.add_argument("--merge", type=Path, nargs="+", help="examine none; merge these files of all shards")
     arguments = parser.parse_args()
     shapes = shapes_of(arguments)
     rows = merge(arguments.merge, shapes, arguments.out) if arguments.merge else rows_of(arguments.out)

@@ -65,7 +65,7 @@ Invariant closed_shell(const TriangleMesh& mesh) {
                                report.pinched_vertices + report.degenerate_triangles ==
                            0 &&
                        100 * report.self_intersections < report.triangles;
-    return {"the offset shell is closed, manifold, oriented, hardly crosses itself", holds,
+    return {"the offset shell is closed, manifold, oriented, almost free of crossings", holds,
             holds ? fmt::format("{} triangles in {} parts, {:.2f} ml, {} crossing pairs", report.triangles,
                                 report.components, 1e6 * report.volume, report.self_intersections)
                   : report.describe()};
@@ -145,7 +145,7 @@ std::vector<Invariant> epiglottis_has_own_cluster(const Patient& patient) {
     found.push_back({"the epiglottis is clusters over exactly its particles, each in one",
                      members == own && own.size() >= 4,
                      fmt::format("{} particles, {} clusters", own.size(), its.size())});
-    found.push_back(foreign.report("other clusters hold only its stalk", hinge, "memberships"));
+    found.push_back(foreign.report("other clusters contain only its stalk", hinge, "memberships"));
     found.back().holds = found.back().holds && hinge > 0;
 
     // Mucosal folds at the plate are drawn along; points farther away are not.
@@ -173,8 +173,8 @@ std::vector<Invariant> epiglottis_has_own_cluster(const Patient& patient) {
             }
         }
     }
-    found.push_back(skin.report("its skin goes with its clusters alone, and no skin far from it does",
-                                vertices, "vertices"));
+    found.push_back(
+        skin.report("only its own clusters move its skin, and no skin far from it", vertices, "vertices"));
     found.back().holds = found.back().holds && vertices > 0;
     return found;
 }
@@ -239,7 +239,7 @@ std::vector<Invariant> tissue_is_attached_to_bone(const Patient& patient) {
     std::vector<Invariant> found;
     found.push_back(small.report("clusters have four members or more", patient.clusters.size(), "clusters"));
     found.push_back(loose.report("each moving particle is in a cluster or tetrahedron", moving, "particles"));
-    found.push_back(adrift.report("each moving particle hangs on bone", moving, "particles"));
+    found.push_back(adrift.report("each moving particle is connected to bone", moving, "particles"));
 
     std::size_t ligament = 0, floor = 0, left = 0, right = 0;
     for (const auto& [a, b] : patient.links.ends) {
@@ -252,10 +252,11 @@ std::vector<Invariant> tissue_is_attached_to_bone(const Patient& patient) {
         ligament += joins(1, 2) ? 1 : 0;
         floor += joins(0, 1) ? 1 : 0;
     }
-    found.push_back({"the hyoepiglottic ligament is there", ligament > 0, fmt::format("{} links", ligament)});
+    found.push_back({"the hyoepiglottic ligament exists", ligament > 0, fmt::format("{} links", ligament)});
     found.push_back({"aryepiglottic folds hold the epiglottis on both sides", left > 0 && right > 0,
                      fmt::format("{} and {} links", left, right)});
-    found.push_back({"the tongue grows out of the mouth's floor", floor > 0, fmt::format("{} links", floor)});
+    found.push_back(
+        {"the tongue is attached to the floor of the mouth", floor > 0, fmt::format("{} links", floor)});
     return found;
 }
 
@@ -412,7 +413,7 @@ Invariant shell_has_no_hole(const Patient& patient) {
     if (count == 0) {
         out.add(rest_of(patient, Landmark::tongue_dorsum));  // the shell fills the mouth
     }
-    return out.report("out of the mouth a way leads between the gums alone", count, "grid nodes");
+    return out.report("the only path out of the mouth leads between the gums", count, "grid nodes");
 }
 
 std::vector<Invariant> airway_is_open(const Patient& patient) {
@@ -432,7 +433,7 @@ std::vector<Invariant> airway_is_open(const Patient& patient) {
     };
     walk(Landmark::glottis, Landmark::trachea_mid);
     walk(Landmark::trachea_mid, Landmark::carina);
-    found.push_back(closed.report("the way from glottis to carina is open", samples, "points"));
+    found.push_back(closed.report("the path from glottis to carina is open", samples, "points"));
 
     const Vec3f glottis = rest_of(patient, Landmark::glottis);
     double area = 0.0;
@@ -468,8 +469,8 @@ std::vector<Invariant> airway_is_open(const Patient& patient) {
                        before(Landmark::tongue_dorsum, Landmark::vallecula) &&
                        before(Landmark::glottis_anterior, Landmark::glottis_posterior) &&
                        before(Landmark::trachea_mid, Landmark::oesophagus_mid);
-    found.push_back({"landmarks follow each other as in a patient", order,
-                     fmt::format("{} landmarks", patient.landmarks.size())});
+    found.push_back(
+        {"landmarks are in anatomical order", order, fmt::format("{} landmarks", patient.landmarks.size())});
     return found;
 }
 
@@ -486,7 +487,7 @@ Invariant frames_lie_in_their_clusters(const Patient& patient) {
             faults.add(mean);
         }
     }
-    return faults.report("frames lie at their clusters' centres", patient.clusters.size(), "clusters");
+    return faults.report("frames are at their clusters' centres", patient.clusters.size(), "clusters");
 }
 
 }  // namespace

@@ -267,8 +267,8 @@ constexpr double max_misfit_with_vault = 0.46;
 // Without a vault there is less information: phantoms differ by 0.12, a neck alone by 0.30, noise by 0.35.
 constexpr double max_misfit_without = 0.25;
 constexpr std::string_view remedy =
-    "Remedy: give a CT of head and neck that shows both halves and the cranium; or place the points mouth, "
-    "mandible, skull, spine and tongue by hand (--landmarks).";
+    "Remedy: use a CT of head and neck with both halves and the cranium; or place the points mouth, "
+    "mandible, skull, spine and tongue manually (--landmarks).";
 
 }  // namespace
 

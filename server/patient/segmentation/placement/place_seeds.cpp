@@ -162,7 +162,7 @@ PlacedSeeds place_seeds(const Geometry& g, const TissueMap& map, const std::vect
         return placed;
     }
     if (!has("mouth")) {
-        placed.no_mandible = "the airway opens nowhere, so the mouth was not found";
+        placed.no_mandible = "the airway has no opening, so the mouth was not found";
         return placed;
     }
     const Vec3d mouth = placed.points["mouth"].front();

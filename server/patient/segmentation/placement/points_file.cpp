@@ -47,7 +47,7 @@ Points read_points(const std::filesystem::path& file) {
             for (const auto& point : markup.at("controlPoints")) {
                 const std::string name = point.at("label");
                 if (!is_known_point(name)) {
-                    refuse(file, fmt::format("a point is called '{}'", name.substr(0, 60)),
+                    refuse(file, fmt::format("a point is named '{}'", name.substr(0, 60)),
                            "mandible, skull, spine, tongue, mouth or a landmark's name such as tongue_tip",
                            "rename it");
                 }
@@ -55,7 +55,7 @@ Points read_points(const std::filesystem::path& file) {
                 const Vec3d place = 1e-3 * Vec3d(sign * at[0], sign * at[1], at[2]);
                 if (!place.allFinite() || place.norm() > 100.0) {
                     refuse(file, fmt::format("point '{}' lies at {}, {}, {} mm", name, at[0], at[1], at[2]),
-                           "a place in the volume", "set it again");
+                           "a position in the volume", "set it again");
                 }
                 points[name].push_back(place);
             }

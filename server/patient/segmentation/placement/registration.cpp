@@ -166,12 +166,10 @@ Registration register_newborn(const imaging::Mask& given) {
     add(2, {Label::tongue}, [](const patient::Fields& f) { return f.tongue; });
     add(3, {Label::spine}, [](const patient::Fields& f) { return f.spine; });
     if (!air || !jaw) {
-        throw NoLarynxError(
-            fmt::format("the labels show no {}; without it the larynx cannot be placed, and none is "
-                        "invented. Remedy: give "
-                        "a CT that reaches from the palate to below the larynx, or labels with airway (3) "
-                        "and mandible (4)",
-                        !jaw ? "mandible" : "airway"));
+        throw NoLarynxError(fmt::format(
+            "the labels show no {}; without it the larynx cannot be placed. Remedy: use a CT that reaches "
+            "from the palate to below the larynx, or labels with airway (3) and mandible (4)",
+            !jaw ? "mandible" : "airway"));
     }
     Box bone;
     for (std::size_t i = 0; i < labels.value.size(); ++i) {

@@ -73,7 +73,7 @@ VolumeOrientation orient_volume(const imaging::Volume& volume, const Points& giv
             }
         }
         contradictions.push_back(
-            fmt::format("{} Directions are the file's, and seeds the given points.", error.what()));
+            fmt::format("{} The file's directions and the given points are used.", error.what()));
         for (const Vec3d& p : given.at("skull")) {
             stand.place.in_plane += p / static_cast<double>(given.at("skull").size());
         }
@@ -93,11 +93,9 @@ VolumeOrientation orient_volume(const imaging::Volume& volume, const Points& giv
     stand.place.size = head.size;
     if (stand.turn > max_turned) {
         contradictions.push_back(
-            fmt::format("the head is turned by {:.0f} degrees from where the file says that left, back and "
-                        "top are; labels "
-                        "follow the picture, in which left and right cannot be told apart. Remedy: mend the "
-                        "directions in the "
-                        "program that wrote the file.",
+            fmt::format("the head is rotated by {:.0f} degrees from the file's directions of left, back and "
+                        "top; labels follow the image, in which left and right cannot be distinguished. "
+                        "Remedy: correct the directions in the program that wrote the file.",
                         stand.turn / degree));
     }
     return stand;

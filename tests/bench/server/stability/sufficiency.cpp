@@ -97,7 +97,7 @@ int sufficiency(const SufficiencyOptions& options) {
                 try {
                     trial = perform(scenario, script, seed + static_cast<std::uint64_t>(s));
                 } catch (const InputError& refusal) {
-                    spdlog::warn("'{}' is left out: {}", all[k].name, refusal.what());
+                    spdlog::warn("'{}' is excluded: {}", all[k].name, refusal.what());
                     continue;
                 }
                 write_row(table, shipped.name, all[k], seed + static_cast<std::uint64_t>(s), trial);

@@ -81,14 +81,14 @@ TEST_F(AnnotatorTest, LongStrokeIsSplitIntoConnectedMessages) {
 
 TEST_F(AnnotatorTest, ExplainsRejectedMarks) {
     annotator_.begin(render::PickHit{Vec3f::Zero(), "tube"});
-    EXPECT_EQ(annotator_.take_error(), "the tube bears no marks: point at tissue or at the blade");
+    EXPECT_EQ(annotator_.take_error(), "the tube cannot be marked: point at tissue or at the blade");
     annotator_.begin(std::nullopt);
-    EXPECT_EQ(annotator_.take_error(), "nothing is there to be marked");
+    EXPECT_EQ(annotator_.take_error(), "nothing to mark there");
     annotator_.end();
     EXPECT_TRUE(sent_.empty());
     served_ = false;
     annotator_.wipe();
-    EXPECT_EQ(annotator_.take_error(), "no server takes remarks or marks");
+    EXPECT_EQ(annotator_.take_error(), "no server accepts remarks or marks");
     EXPECT_EQ(annotator_.take_error(), "");
 }
 

@@ -104,7 +104,7 @@ TEST_F(ControlsTest, ObserverSendsNothing) {
         observer.release(key.key, now_);
     }
     observer.release_all_keys(now_);
-    EXPECT_EQ(notice(observer), "an observer gives no commands");
+    EXPECT_EQ(notice(observer), "observers cannot send commands");
     // A later event proves that no earlier one came.
     press(U'[');
     follow([&] { return sender_.accepted() == 1; });
@@ -195,10 +195,10 @@ TEST_F(ControlsTest, NonTraineeCanFollowTraineeEye) {
 
 TEST_F(ControlsTest, ReportsThatNoServerTakesCommands) {
     press(client::key_up);
-    EXPECT_EQ(notice(controls_), "no server has said yet how its patient is");
+    EXPECT_EQ(notice(controls_), "no server has reported its patient's state yet");
     synthetic::fill(scene_, synthetic::make_scene());
     press(client::key_up);
-    EXPECT_EQ(notice(controls_), "no server takes commands");
+    EXPECT_EQ(notice(controls_), "no server accepts commands");
 }
 
 TEST_F(ControlsTest, SelectsViewsAndTogglesKeyHelp) {

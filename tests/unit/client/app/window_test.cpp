@@ -193,7 +193,7 @@ TEST(Window, GivesUpAfterWaitTimeWithoutServer) {
         (void)client::run_windowed(options, result);
         FAIL() << "no error";
     } catch (const bus::BusError& error) {
-        EXPECT_NE(std::string(error.what()).find("no server for 0.5 s (--wait)"), std::string::npos)
+        EXPECT_NE(std::string(error.what()).find("no server found for 0.5 s (--wait)"), std::string::npos)
             << error.what();
     }
     EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));

@@ -178,8 +178,8 @@ TEST(Readout, NamesSilentDevice) {
     status.tube(msg::DEVICE_SILENT);
     status.phase(msg::PHASE_FROZEN);
     scene.apply(status);
-    EXPECT_EQ(hud::make_readout(scene, false).warning, "laryngoscope and tube are silent: time stands still");
-    EXPECT_EQ(hud::make_readout(scene, false, true).warning, "two servers serve this session: end one");
+    EXPECT_EQ(hud::make_readout(scene, false).warning, "laryngoscope and tube are silent: simulation paused");
+    EXPECT_EQ(hud::make_readout(scene, false, true).warning, "two servers run this session: stop one");
 }
 
 TEST(Readout, ShowsScenarioWhileWaitingAndAtStart) {

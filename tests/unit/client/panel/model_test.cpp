@@ -196,7 +196,7 @@ TEST(PanelModel, ReportsMissingServerAndDropsCommands) {
     one.model.request(one.row("tongue_scale"), 1.2f);
     one.model.request("reset");
     one.model.update(one.now);
-    EXPECT_EQ(one.model.refusal(), "no server takes commands");
+    EXPECT_EQ(one.model.refusal(), "no server accepts commands");
     EXPECT_EQ(one.at("tongue_scale").wanted, std::nullopt);
     one.served = true;
     one.now += 1s;
@@ -280,15 +280,15 @@ TEST(PanelHealth, ReportsSilentDevicesAndLosses) {
     };
     EXPECT_EQ(line("load").value, "120 % of a step");
     EXPECT_EQ(line("load").level, hud::Level::bad);
-    EXPECT_EQ(line("laryngoscope's device").value, "heard");
+    EXPECT_EQ(line("laryngoscope's device").value, "sending");
     EXPECT_EQ(line("laryngoscope's device").level, hud::Level::good);
     EXPECT_EQ(line("tube's device").value, "none");
     EXPECT_EQ(line("shapes lost").value, "10 (1.00 %)");
     EXPECT_EQ(line("shapes lost").level, hud::Level::bad);
-    EXPECT_EQ(line("session").value, "two servers: end one");
+    EXPECT_EQ(line("session").value, "two servers: stop one");
     EXPECT_EQ(line("on the bus").value, "eti-haptics lab:7");
     view::SceneView nothing;
-    EXPECT_EQ(panel::health_of(nothing, {}, 0.0).front().value, "none heard yet");
+    EXPECT_EQ(panel::health_of(nothing, {}, 0.0).front().value, "no data yet");
 }
 
 }  // namespace

@@ -218,7 +218,7 @@ TEST_F(PanelDrawing, StopRequiresConfirmation) {
     one_.model.update(one_.now);
     EXPECT_TRUE(one_.sent.empty());
     draw();
-    click("Go on");
+    click("Cancel");
     draw();
     EXPECT_FALSE(drawing_.place("Stop the session"));
     click("Stop ...");
@@ -318,10 +318,9 @@ TEST_P(PanelPage, MatchesReferenceImage) {
     one_.connection = {4.2, 11.0, 5400, 3, 12, 11, 1, false, {"eti-server lab:100", "eti-haptics lab:101"}};
     one_.say();
     one_.model.request(one_.row("table_angle"), -10.0f);
-    const bus::Refusal refusals[] = {
-        {"secretion",
-         "there is no liquid in this scenario; restart it with 'saliva: standby', which has none until it is "
-         "asked for"}};
+    const bus::Refusal refusals[] = {{"secretion",
+                                      "there is no liquid in this scenario; restart it with 'saliva: "
+                                      "standby', which starts without saliva"}};
     one_.model.note_refusals(refusals);
     one_.model.page = GetParam();
     // Beside the scene, in a strip of the whole picture.

@@ -141,7 +141,7 @@ TEST_F(Study, RejectsInvalidComparisonsWithReason) {
     const Comparison found = compared({{"a", {one}}, {"b", {two, cut}}}, false);
     EXPECT_EQ(found.groups[1].sessions.size(), 1u);
     ASSERT_EQ(found.remarks.size(), 1u);
-    EXPECT_NE(found.remarks[0].find("5.eti.h5 is left out"), std::string::npos);
+    EXPECT_NE(found.remarks[0].find("5.eti.h5 is excluded"), std::string::npos);
 }
 
 TEST_F(Study, CsvHasOneRowPerSession) {

@@ -156,9 +156,8 @@ TEST_F(Review, ComputesMissingSummaryFromSteps) {
     EXPECT_TRUE(json.at("success").is_null());
     EXPECT_TRUE(json.at("attempts")[0].at("success").is_null());
     EXPECT_EQ(json.at("reason"),
-              "the recording ends at 2.0 s, before the run was summed up; the tube passed the glottis at 1.0 "
-              "s and lay "
-              "12 mm beyond it");
+              "the recording ends at 2.0 s, before the results were computed; the tube passed the glottis at "
+              "1.0 s and lay 12 mm beyond it");
     const auto& run = json.at("parameters");
     EXPECT_EQ(run.at("gum_force_n").at("max").get<double>(), 3.0);
     EXPECT_NEAR(run.at("gum_force_n").at("mean").get<double>(), (0.5 * 0.5 + 1.5 * 1.0) / 2.0, 1e-12);
@@ -182,7 +181,7 @@ TEST_F(Review, TableListsPaperParametersFirst) {
             }
         }
     }
-    const std::size_t line = table.find("force on the upper gum, greatest");
+    const std::size_t line = table.find("force on the upper gum, maximum");
     const std::string row = table.substr(line, table.find('\n', line) - line);
     EXPECT_LT(row.find("3.50"), row.find("2.50")) << "the run stands before its attempts: " << row;
 }
@@ -236,9 +235,8 @@ TEST_F(Review, ExportErrorNamesUnwritableFolder) {
             path, folder / "csv", [](const auto&) {}, [] { return false; });
         FAIL();
     } catch (const std::runtime_error& error) {
-        EXPECT_EQ(error.what(),
-                  (folder / "csv").string() +
-                      ": the folder cannot be made: Not a directory; choose another with --out");
+        EXPECT_EQ(error.what(), (folder / "csv").string() +
+                                    ": cannot create the folder: Not a directory; choose another with --out");
     }
 }
 

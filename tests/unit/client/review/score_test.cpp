@@ -180,14 +180,14 @@ TEST(AutomaticScore, RoundTripsThroughYaml) {
     EXPECT_EQ(to_yaml(read), to_yaml(model));
     EXPECT_NEAR(score_of(read, twelve[5].metrics, false).grade,
                 score_of(model, twelve[5].metrics, false).grade, 1e-4);
-    EXPECT_EQ(training_statement(read).find("no human data"), std::string::npos);
+    EXPECT_EQ(training_statement(read).find("No human data"), std::string::npos);
     model.human_rated = false;
-    EXPECT_NE(training_statement(model).find("It has seen no human data"), std::string::npos);
+    EXPECT_NE(training_statement(model).find("No human data was used"), std::string::npos);
 }
 
 TEST(AutomaticScore, ShippedScoreIsCurrentAndStatesItsLimits) {
     const ScoreModel shipped = load_score(find_data_file("scripted", "scores"));
-    EXPECT_NE(training_statement(shipped).find("It has seen no human data"), std::string::npos);
+    EXPECT_NE(training_statement(shipped).find("No human data was used"), std::string::npos);
     EXPECT_EQ(shipped.validation.all.sessions, shipped.sessions);
 }
 

@@ -89,9 +89,9 @@ TEST_F(StudyFile, SkillIsInterpolatedAcrossParticipants) {
     EXPECT_EQ(study.participants[2].attempts, 2);
     EXPECT_EQ(study.participants[3].attempts, std::nullopt);
     EXPECT_EQ(study.participants[4].skill, std::nullopt);
-    EXPECT_NE(
-        refusal("conditions: [{scenario: term}]\nparticipants: [{skill: 0.5}]\n").find("people have a skill"),
-        std::string::npos);
+    EXPECT_NE(refusal("conditions: [{scenario: term}]\nparticipants: [{skill: 0.5}]\n")
+                  .find("human participants have"),
+              std::string::npos);
 }
 
 TEST_F(StudyFile, FindsScenarioBesideStudyFile) {

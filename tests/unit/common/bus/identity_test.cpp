@@ -149,7 +149,8 @@ TEST_F(IdentityTest, SoonExpiringCertificateIsAWarning) {
 TEST_F(IdentityTest, CertificateOfAnotherLabIsNamed) {
     fs::copy_file(labs_ / "other/observer/identity_ca.pem", folder_ / "identity_ca.pem",
                   fs::copy_options::overwrite_existing);
-    EXPECT_THAT(check().faults, ElementsAre(AllOf(HasSubstr("/certificate.pem"), HasSubstr("two labs"))));
+    EXPECT_THAT(check().faults,
+                ElementsAre(AllOf(HasSubstr("/certificate.pem"), HasSubstr("different labs"))));
 }
 
 TEST_F(IdentityTest, DocumentsOfAnotherLabAreNamed) {
@@ -180,7 +181,7 @@ TEST_F(IdentityTest, TamperedPermissionsAreRefused) {
     const std::size_t at = text.find("eti/annotation");
     ASSERT_NE(at, std::string::npos);
     write(folder_ / "permissions.p7s", text.replace(at, 14, "eti/command   "));
-    EXPECT_THAT(check().faults, ElementsAre(AllOf(HasSubstr("/permissions.p7s"), HasSubstr("changed"))));
+    EXPECT_THAT(check().faults, ElementsAre(AllOf(HasSubstr("/permissions.p7s"), HasSubstr("modified"))));
 }
 
 TEST_F(IdentityTest, TruncatedDocumentIsNamed) {

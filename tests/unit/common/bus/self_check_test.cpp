@@ -47,7 +47,7 @@ TEST(SelfCheck, ASecondServerIsRefusedByName) {
     ASSERT_TRUE(status.publish(own));
     Node second(options("eti-server"));
     EXPECT_THAT(refusal_of_node(second, 20s), AllOf(HasSubstr("session 'test'"), HasSubstr(process_name()),
-                                                    HasSubstr("--session"), HasSubstr("stop that one")));
+                                                    HasSubstr("--session"), HasSubstr("stop that server")));
     Node elsewhere(options("eti-server", "other"));
     EXPECT_EQ(refusal_of_node(elsewhere), "no BusError") << "another session is free";
 }

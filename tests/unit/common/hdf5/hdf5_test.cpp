@@ -94,7 +94,7 @@ TEST_F(Hdf5, ErrorsNameFilePlaceAndFinding) {
     expect([&] { (void)file.root().open("absent"); }, {path.string() + ": /absent", "missing"});
     expect([&] { (void)group.text("absent"); }, {place, "absent", "missing"});
     expect([&] { (void)group.number("text"); }, {place, "text", "type"});
-    expect([&] { (void)File::create(path); }, {path.string(), "exists already"});
+    expect([&] { (void)File::create(path); }, {path.string(), "already exists"});
     expect([&] { (void)File::open(folder, Access::read); }, {folder.string(), "not a regular file"});
 }
 

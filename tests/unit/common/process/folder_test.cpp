@@ -33,7 +33,7 @@ TEST_F(MakeFolder, BlockingFileErrorNamesCauseAndRemedy) {
         } catch (const std::runtime_error& error) {
             EXPECT_EQ(error.what(),
                       folder.string() +
-                          ": the folder cannot be made: Not a directory; choose another with --golden");
+                          ": cannot create the folder: Not a directory; choose another with --golden");
         }
     }
     EXPECT_TRUE(fs::is_regular_file(file));

@@ -67,7 +67,7 @@ TEST(Setting, ScenarioSettingIsValidatedByScenario) {
             << typed;
     }
     EXPECT_THAT(setting_refusal([] { return with_setting("saliva: on\n", "saliva.x=3"); }),
-                HasSubstr("no section"));
+                HasSubstr("not a section"));
     EXPECT_THAT(setting_refusal([] { return with_setting("", "seed=3"); }), HasSubstr("empty"));
     EXPECT_THAT(setting_refusal([] { return with_setting("- a\n- b\n", "seed=3"); }), HasSubstr("scenario"));
 }

@@ -54,7 +54,7 @@ TEST(JudgeInterfaces, LoopbackDownIsAFault) {
 }
 
 TEST(JudgeInterfaces, NetworkFaultsMatterOnlyWithNetwork) {
-    EXPECT_THAT(diagnose_interfaces({loopback}, true, true), Contains(is(State::problem, "leave --network")));
+    EXPECT_THAT(diagnose_interfaces({loopback}, true, true), Contains(is(State::problem, "omit --network")));
     const Interface mute = changed(cable, [](Interface& one) { one.multicast_returns = false; });
     EXPECT_THAT(diagnose_interfaces({loopback, mute}, true, true),
                 AllOf(Contains(is(State::problem, "--peer ADDRESS")), Contains(is(State::info, "firewall"))));

@@ -125,7 +125,7 @@ TEST(JudgeSession, LossAndSilenceOfATopicAreNamed) {
     SessionReport report = whole();
     report.topics = {{"eti/deformation", 900, 100, 10.0}, {"eti/live_metrics", 0, 0, 0.0}};
     EXPECT_THAT(diagnose_session(report, {}), mend("socket buffers"));
-    EXPECT_THAT(diagnose_session(report, {}), Contains(Field(&Finding::text, "nothing came")));
+    EXPECT_THAT(diagnose_session(report, {}), Contains(Field(&Finding::text, "no messages")));
 }
 
 TEST(Percentile, MatchesSortedValues) {

@@ -327,7 +327,7 @@ TEST_F(Calibrate, FindsTipAndRefusesDegeneratePoses) {
     const Done refused =
         run(ETI_CALIBRATE, {"pivot", "--device", "openhaptics", "--poses", write("s.txt", still)});
     EXPECT_GT(refused.status, 0);
-    EXPECT_THAT(refused.err, HasSubstr("turned too little"));
+    EXPECT_THAT(refused.err, HasSubstr("rotated too little"));
 }
 
 TEST_F(Calibrate, SimulatesTheExpectedError) {
@@ -398,11 +398,11 @@ TEST(Haptics, EmergencyStopReleasesForceAndIsCounted) {
 TEST(Haptics, AnyKeyReleasesAndRRestoresForces) {
     for (const char* key : {" ", "\x1b[H", "\x13", "\x1a"}) {
         Running program(ETI_HAPTICS, with("simulated"), true);
-        ASSERT_TRUE(program.says("any key lets go")) << program.err();
+        ASSERT_TRUE(program.says("any key turns forces off")) << program.err();
         program.type(key);
         ASSERT_TRUE(program.says("forces are off", 5s)) << program.err() << static_cast<int>(key[0]);
         program.type("r");
-        ASSERT_TRUE(program.says("forces come back", 5s)) << program.err();
+        ASSERT_TRUE(program.says("forces return", 5s)) << program.err();
         program.type("\x03");
         EXPECT_EQ(program.wait(), 0) << program.err();
         EXPECT_THAT(program.err(), HasSubstr("ended: interrupted"));
@@ -411,7 +411,7 @@ TEST(Haptics, AnyKeyReleasesAndRRestoresForces) {
 
 TEST(Haptics, ClosingTheTerminalEndsItCleanly) {
     Running program(ETI_HAPTICS, with("simulated"), true);
-    ASSERT_TRUE(program.says("any key lets go")) << program.err();
+    ASSERT_TRUE(program.says("any key turns forces off")) << program.err();
     program.hang_up();
     EXPECT_EQ(program.wait(), 0) << program.err();
     EXPECT_THAT(program.err(), HasSubstr("ended: interrupted"));

@@ -70,7 +70,7 @@ TEST(RigidFit, NeverMirrors) {
         pair.device.x() = -pair.device.x();
     }
     EXPECT_NEAR(fit_rigid(mirrored).linear().determinant(), 1.0, 1e-12);
-    EXPECT_THAT(refusal(mirrored), HasSubstr("mirrors"));
+    EXPECT_THAT(refusal(mirrored), HasSubstr("mirrored"));
 }
 
 TEST(RigidFit, CoplanarPointsLeaveHandednessOpen) {
@@ -226,7 +226,7 @@ TEST(PivotFit, WrongQuaternionOrderIsNamed) {
         pose.linear().transposeInPlace();
     }
     EXPECT_THAT(pivot_refusal(last), AllOf(HasSubstr("x y z w"), HasSubstr("write w first")));
-    EXPECT_THAT(pivot_refusal(inverse), HasSubstr("inverse turns"));
+    EXPECT_THAT(pivot_refusal(inverse), HasSubstr("inverse rotations"));
 }
 
 TEST(PivotFit, PositionsInMetresAreRefused) {

@@ -100,7 +100,7 @@ TEST(SpacenavLibrary, MissingDaemonErrorNamesIt) {
         (void)open_spacenav(setup);
         FAIL() << "opened";
     } catch (const DeviceError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("spacenavd is not there"));
+        EXPECT_THAT(error.what(), HasSubstr("spacenavd is not running"));
     }
     state.daemon = true;
 }
@@ -110,7 +110,7 @@ TEST(SpacenavLibrary, DebianLibraryHasTheEntryPoints) {
     try {
         (void)open_spacenav({});
     } catch (const DeviceError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("spacenavd is not there"));
+        EXPECT_THAT(error.what(), HasSubstr("spacenavd is not running"));
     }
 }
 

@@ -107,21 +107,21 @@ TEST_F(AnnotationBoardTest, MarkOnBladeMovesWithBlade) {
 TEST_F(AnnotationBoardTest, RefusesInvalidAnnotations) {
     const auto inside = place(0, 0.2f, 0.2f);
     const std::vector<std::pair<msg::Annotation, const char*>> wrong{
-        {annotation(msg::ANNOTATION_NOTE, ""), "without words"},
-        {annotation(msg::ANNOTATION_NOTE, "x", {inside}), "1 places, expected 0 to 0"},
-        {annotation(msg::ANNOTATION_POINT, ""), "0 places, expected 1 to 1"},
-        {annotation(msg::ANNOTATION_POINT, "", {inside, inside}), "2 places"},
-        {annotation(msg::ANNOTATION_STROKE, "", {inside}), "1 places, expected 2 to 48"},
-        {annotation(msg::ANNOTATION_POINT, "", {inside}, "moon"), "no surface"},
+        {annotation(msg::ANNOTATION_NOTE, ""), "an empty note"},
+        {annotation(msg::ANNOTATION_NOTE, "x", {inside}), "1 positions, expected 0 to 0"},
+        {annotation(msg::ANNOTATION_POINT, ""), "0 positions, expected 1 to 1"},
+        {annotation(msg::ANNOTATION_POINT, "", {inside, inside}), "2 positions"},
+        {annotation(msg::ANNOTATION_STROKE, "", {inside}), "1 positions, expected 2 to 48"},
+        {annotation(msg::ANNOTATION_POINT, "", {inside}, "moon"), "not a surface"},
         {annotation(msg::ANNOTATION_POINT, "", {place(1, 0.2f, 0.2f)}), "triangle 1 of 1"},
         {annotation(msg::ANNOTATION_POINT, "", {place(0xffffffff, 0.2f, 0.2f)}), "triangle"},
-        {annotation(msg::ANNOTATION_POINT, "", {place(0, 0.8f, 0.4f)}), "not on its triangle"},
-        {annotation(msg::ANNOTATION_POINT, "", {place(0, -0.1f, 0.4f)}), "not on its triangle"},
-        {annotation(msg::ANNOTATION_POINT, "", {place(0, nan, 0.2f)}), "not on its triangle"},
-        {annotation(msg::ANNOTATION_POINT, "", {place(0, 0.2f, nan)}), "not on its triangle"},
+        {annotation(msg::ANNOTATION_POINT, "", {place(0, 0.8f, 0.4f)}), "outside its triangle"},
+        {annotation(msg::ANNOTATION_POINT, "", {place(0, -0.1f, 0.4f)}), "outside its triangle"},
+        {annotation(msg::ANNOTATION_POINT, "", {place(0, nan, 0.2f)}), "outside its triangle"},
+        {annotation(msg::ANNOTATION_POINT, "", {place(0, 0.2f, nan)}), "outside its triangle"},
         {annotation(msg::ANNOTATION_POINT, "", {place(0, 0.2f, 0.2f, nan)}), "100 mm"},
         {annotation(msg::ANNOTATION_POINT, "", {place(0, 0.2f, 0.2f, 0.11f)}), "100 mm"},
-        {annotation(msg::ANNOTATION_STROKE, "", {inside, place(0, 1e30f, 0.2f)}), "not on its triangle"},
+        {annotation(msg::ANNOTATION_STROKE, "", {inside, place(0, 1e30f, 0.2f)}), "outside its triangle"},
     };
     for (const auto& [message, why] : wrong) {
         const auto taken = board_.handle(message, now_);

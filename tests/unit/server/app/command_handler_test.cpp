@@ -85,7 +85,7 @@ TEST(CommandHandler, RefusesValuesOutsidePatientLimits) {
           Case{"head_scale", nan, "head scale"}, Case{"tongue_scale", 1.4f, nullptr},
           Case{"tongue_scale", 0.79f, "0.79, expected 0.8 to 1.4"}, Case{"tongue_scale", nan, "tongue scale"},
           Case{"tissue_stiffness", 19.9e3f, nullptr},
-          Case{"tissue_stiffness", 20.2e3f, "tetrahedra of 2 mm bear at most 20"},
+          Case{"tissue_stiffness", 20.2e3f, "tetrahedra of 2 mm are stable up to 20"},
           Case{"tissue_stiffness", 900.0f, "0.9 kPa, expected 1 to 100"},
           Case{"tissue_stiffness", nan, "tissue stiffness"}, Case{"secretion", 1.0f, "saliva: standby"}}) {
         CommandHandler desk(limits(), {.tongue_scale = 1.15f});

@@ -183,10 +183,10 @@ TEST_F(RecordedStatesTest, RefusesInvalidRecording) {
     EXPECT_THAT(refusal(), HasSubstr("frame 12 of 12"));
     recording.deformations[0].frame[0] = 0;
     recording.deformations[0].pose[0].rotation.coeffs().setZero();
-    EXPECT_THAT(refusal(), HasSubstr("impossible pose of frame 0"));
+    EXPECT_THAT(refusal(), HasSubstr("invalid pose of frame 0"));
     recording.deformations.clear();
     std::swap(recording.steps.front(), recording.steps.back());
-    EXPECT_THAT(refusal(), HasSubstr("do not follow each other"));
+    EXPECT_THAT(refusal(), HasSubstr("are not in order"));
     recording.scene.surfaces.clear();
     EXPECT_THAT(refusal(), HasSubstr("no surfaces"));
 }

@@ -367,7 +367,7 @@ TEST(Metrics, FailuresNameTheirCause) {
     EXPECT_EQ(outcome_of(glottis - 0.012f, 63.0f).reason,
               "the tube's tip came no nearer than 12 mm to the glottis (best view 63 %)");
     EXPECT_EQ(outcome_of(glottis + 0.004f, 63.0f).reason,
-              "the tube's tip lies only 4 mm past the glottis, where 10 mm are needed");
+              "the tube's tip lies only 4 mm past the glottis, and 10 mm are required");
     EXPECT_EQ(outcome_of(glottis + 0.056f, 63.0f).reason,
               "the tube's tip lies 6 mm past the carina, in a main bronchus");
     EXPECT_FALSE(outcome_of(glottis + 0.056f, 63.0f).success);

@@ -152,13 +152,13 @@ TEST(MeshFile, ErrorsNameLineAndRemedy) {
     };
     expect("v 0 0 zero\n", "a.obj", "line 1: 'zero'; expected a number");
     expect("v 0 0\n", "a.obj", "three coordinates");
-    expect("v 0 0 nan\n", "a.obj", "not a place of a patient");
+    expect("v 0 0 nan\n", "a.obj", "not within a patient");
     expect("v 0 0 0\nf 1 2 3\n", "a.obj", "line 2: vertex 2; expected 1 to 1");
     expect("", "a.obj", "no triangles");
     expect("ply\nformat ascii 1.0\n", "a.ply", "does not end");
     expect(ply_head("ascii") + "0 0 0 1\n", "a.ply", "ends early");
     expect("ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n", "a.ply", "99999999999 times");
-    expect("anything", "a.vtk", "does not tell the format");
+    expect("anything", "a.vtk", "does not indicate the format");
     Bytes cut = binary_stl();
     cut.resize(cut.size() - 7);
     EXPECT_NE(refusal(cut, "a.stl").find("expected 284 bytes"), std::string::npos) << refusal(cut, "a.stl");

@@ -101,8 +101,8 @@ TEST_F(VolumeFiles, BadNrrdHeadersAreRefused) {
     refused("space", "scanner-xyz", "scanner-xyz");
     refused("space", "", "space");
     refused("space origin", "", "space origin");
-    refused("space directions", "(1,0,0) (0,1,0) (1,1,0)", "do not span space");
-    refused("space directions", "(0,0,0) (0,1,0) (0,0,1)", "apart");
+    refused("space directions", "(1,0,0) (0,1,0) (1,1,0)", "nearly dependent");
+    refused("space directions", "(0,0,0) (0,1,0) (0,0,1)", "voxel spacing");
     refused("space directions", "none (0,1,0) (0,0,1)", "none");
     refused("sizes", "7 6", "sizes");
     refused("sizes", "7 6 1", "single slice");
@@ -187,9 +187,9 @@ TEST_F(VolumeFiles, NiftiQuaternionGivesDirections) {
 }
 
 TEST_F(VolumeFiles, UnknownAndMissingFilesAreRefused) {
-    expect_refused(put("a.txt", Bytes{'h', 'i'}), "no known format");
-    expect_refused(put("empty.nrrd", Bytes{}), "no known format");
-    expect_refused(folder / "absent.nrrd", "is not there");
+    expect_refused(put("a.txt", Bytes{'h', 'i'}), "unknown format");
+    expect_refused(put("empty.nrrd", Bytes{}), "unknown format");
+    expect_refused(folder / "absent.nrrd", "does not exist");
     expect_refused("/dev/null", "is a device");
     ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
     expect_refused(folder / "pipe.nrrd", "is a pipe");

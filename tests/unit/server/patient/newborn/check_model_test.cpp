@@ -102,7 +102,7 @@ TEST(CheckModel, FindsHolesAndCrossings) {
         std::swap(p.surfaces[4].mesh.triangles[7][0], p.surfaces[4].mesh.triangles[7][1]);
     });
     expect_fault("the offset shell", [](Patient& p) { p.shell.mesh.triangles.pop_back(); });
-    expect_fault("a way leads between the gums alone", [](Patient& p) {
+    expect_fault("the only path out of the mouth leads between the gums", [](Patient& p) {
         // As wide as a tube, through the floor of the mouth.
         DistanceGrid& grid = p.shell.distance;
         for (int z = 0; z < grid.size[2]; ++z) {
@@ -120,7 +120,7 @@ TEST(CheckModel, FindsHolesAndCrossings) {
 
 TEST(CheckModel, FindsForeignEpiglottisClusters) {
     // Xiao et al. 2020, Fig. 5: a cluster of the tongue that holds a particle of the plate's free end.
-    expect_fault("other clusters hold only its stalk", [](Patient& p) {
+    expect_fault("other clusters contain only its stalk", [](Patient& p) {
         const Vec3f tip = p.landmarks[static_cast<std::size_t>(Landmark::epiglottis_tip)].rest;
         std::uint32_t nearest = first_of(p, Tissue::epiglottis);
         for (std::uint32_t i = 0; i < p.particles.size(); ++i) {
@@ -136,13 +136,13 @@ TEST(CheckModel, FindsForeignEpiglottisClusters) {
         p.clusters.tissue[0] =
             p.clusters.tissue[0] == Tissue::epiglottis ? Tissue::tongue : Tissue::epiglottis;
     });
-    expect_fault("its skin goes with its clusters alone", [](Patient& p) {
+    expect_fault("only its own clusters move its skin", [](Patient& p) {
         p.surfaces[2].skin[5] = {{static_cast<std::uint16_t>(bone_count + p.clusters.size() - 1)}, {1.0f}};
     });
 }
 
 TEST(CheckModel, FindsDistantSkinBoundToEpiglottis) {
-    expect_fault("no skin far from it does", [](Patient& p) {
+    expect_fault("no skin far from it", [](Patient& p) {
         const auto plate =
             std::ranges::find(p.clusters.tissue, Tissue::epiglottis) - p.clusters.tissue.begin();
         const Vec3f& gum = p.landmarks[static_cast<std::size_t>(Landmark::upper_gum)].rest;
@@ -182,7 +182,7 @@ TEST(CheckModel, FindsLooseTissueAndMissingLigaments) {
         p.particles.tissue.push_back(Tissue::soft);
         p.particles.bones.push_back({1, 0, 0});
     });
-    expect_fault("each moving particle hangs on bone", [](Patient& p) {
+    expect_fault("each moving particle is connected to bone", [](Patient& p) {
         for (float& m : p.particles.mass) {
             m = 1e-6f;
         }
@@ -196,13 +196,13 @@ TEST(CheckModel, FindsLooseTissueAndMissingLigaments) {
         });
         p.links.stiffness.resize(p.links.ends.size());
     });
-    expect_fault("grows out of the mouth's floor", [](Patient& p) { p.links = {}; });
+    expect_fault("attached to the floor of the mouth", [](Patient& p) { p.links = {}; });
 }
 
 TEST(CheckModel, FindsWrongWeightsFramesDistancesAndLandmarks) {
     expect_fault("weights sum to one", [](Patient& p) { p.surfaces[0].skin[9].weight[0] += 0.01f; });
     expect_fault("weights sum to one", [](Patient& p) { p.particles.bones[9] = {0.5f, 0.4f, 0.0f}; });
-    expect_fault("frames lie at", [](Patient& p) { p.frame_rest_centre[bone_count].x() += 1e-4f; });
+    expect_fault("frames are at", [](Patient& p) { p.frame_rest_centre[bone_count].x() += 1e-4f; });
     expect_fault("they have the mesh's sign", [](Patient& p) {
         float& deep = *std::ranges::min_element(p.shell.distance.value);
         deep = -deep;
@@ -218,7 +218,7 @@ TEST(CheckModel, FindsWrongWeightsFramesDistancesAndLandmarks) {
     });
     expect_fault("tetrahedra have volume",
                  [](Patient& p) { p.tetrahedra.corners[3][1] = p.tetrahedra.corners[3][0]; });
-    expect_fault("landmarks follow each other", [](Patient& p) {
+    expect_fault("landmarks are in anatomical order", [](Patient& p) {
         std::swap(p.landmarks[static_cast<std::size_t>(Landmark::glottis)],
                   p.landmarks[static_cast<std::size_t>(Landmark::carina)]);
     });

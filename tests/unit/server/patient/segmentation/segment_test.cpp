@@ -151,7 +151,7 @@ TEST(Segment, UpsideDownVolumeIsTurnedAndReported) {
     std::reverse(truth.value.begin(), truth.value.end());
     const Segmentation found = segment(upset, {}, {}, silent);
     ASSERT_EQ(found.contradictions.size(), 1u);
-    EXPECT_NE(found.contradictions.front().find("turned by 1"), std::string::npos)
+    EXPECT_NE(found.contradictions.front().find("rotated by 1"), std::string::npos)
         << found.contradictions.front();
     EXPECT_NE(found.contradictions.front().find("Remedy"), std::string::npos) << found.contradictions.front();
     for (const auto& [name, labels] : organs) {
