@@ -3,6 +3,7 @@
 #include "common/scenario/scenario.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -27,6 +28,18 @@ std::vector<std::filesystem::path> data_folders(const std::string& kind) {
         folders.push_back(program.parent_path().parent_path() / "share" / "neoeti" / kind);
     }
     return folders;
+}
+
+/// An XPBD tongue of earlier versions, `tetrahedra`, is read as implicit.
+TissueMethod tissue_method_of(YamlMap& physics, TissueMethod fallback) {
+    static constexpr std::array<std::string_view, 3> names = {"clusters", "implicit", "tetrahedra"};
+    const std::size_t named = physics.choice("tissue_method", static_cast<std::size_t>(fallback), names);
+    if (named < tissue_method_names.size()) {
+        return static_cast<TissueMethod>(named);
+    }
+    spdlog::warn(
+        "physics.tissue_method: 'tetrahedra' (XPBD) no longer exists; 'implicit' solves the same mesh");
+    return TissueMethod::implicit;
 }
 
 /// The rows of a table that belong to `section`.
@@ -172,8 +185,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
         p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre});
         p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre});
         p.region = physics->number("region_mm", p.region, {4, 40, millimetre});
-        p.tissue_method = static_cast<TissueMethod>(
-            physics->choice("tissue_method", static_cast<std::size_t>(p.tissue_method), tissue_method_names));
+        p.tissue_method = tissue_method_of(*physics, p.tissue_method);
         if (!s.patient.model.empty()) {
             static const std::array<std::string, 3> held = {"spacing_mm", "fine_spacing_mm", "region_mm"};
             reject_keys_fixed_by_model(*physics, held);

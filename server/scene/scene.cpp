@@ -121,7 +121,7 @@ void Scene::place_tube(const RigidTransform& grip) {
 }
 
 void Scene::follow(const RuntimeParameters& wanted) {
-    RuntimeParameters to = clamp_to_stability_limit(clamped(wanted));
+    RuntimeParameters to = clamped(wanted);
     if (to.tongue_scale != live_.tongue_scale && !swelling_ready()) {
         to.tongue_scale = live_.tongue_scale;
     }
@@ -152,14 +152,6 @@ void Scene::follow(const RuntimeParameters& wanted) {
         shell_.pose(bones);
         rigid_.move_shell(shell_.vertices());
     }
-}
-
-RuntimeParameters Scene::clamp_to_stability_limit(RuntimeParameters wanted) const {
-    wanted.tissue_stiffness = std::min(wanted.tissue_stiffness, settings_.max_stable_modulus / growth());
-    const float soft = advance_towards(live_, wanted, step_duration, settings_.rate_scale).tissue_stiffness;
-    wanted.tongue_scale =
-        std::min(wanted.tongue_scale, settings_.tongue_scale * settings_.max_stable_modulus / soft);
-    return wanted;
 }
 
 bool Scene::swelling_ready() {

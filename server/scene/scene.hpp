@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <future>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -37,9 +36,6 @@ struct Settings {
     float rate_scale = 1.0f;    ///< scales the rates at which runtime parameters approach their targets
     float head_scale = 1.0f;    ///< with which the model was built
     float tongue_scale = 1.0f;  ///< with which the model was built
-    /// [Pa], largest Young's modulus for which the solver is stable in the tongue as built; it decreases as
-    /// the tongue grows. Where stiffness and size both change, each is limited by the other.
-    float max_stable_modulus = std::numeric_limits<float>::infinity();
     rigid::Settings rigid;
     bool self_contact = false;  ///< enables contact between tissue and tissue
     bool sleep = true;          ///< skips solving tissue at rest
@@ -88,9 +84,6 @@ class Scene {
     void follow_tools(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved);
     /// Moves the runtime parameters towards `wanted`, by at most their change per step.
     void follow(const RuntimeParameters& wanted);
-    /// Limits `wanted` to what the solver can simulate stably. Stiffness and size of the tongue limit each
-    /// other.
-    [[nodiscard]] RuntimeParameters clamp_to_stability_limit(RuntimeParameters wanted) const;
     /// Whether the tongue's swelling has been computed; the first call starts it and takes half a second.
     [[nodiscard]] bool swelling_ready();
     void wake_tissue() { tissue_.body().sleep.wake_all(tissue_.body().particles); }
