@@ -46,14 +46,14 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
 
 /// Soft-tissue solver.
 enum class TissueMethod : std::uint8_t {
-    clusters,    ///< shape matching with compliance throughout
-    tetrahedra,  ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load; clusters elsewhere
-    implicit,    ///< the same, solved to convergence once per step instead of once per substep
+    clusters,  ///< shape matching with compliance throughout
+    implicit,  ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load, solved to
+               ///< convergence once per step; clusters elsewhere
 };
-inline constexpr std::array<std::string_view, 3> tissue_method_names = {"clusters", "tetrahedra", "implicit"};
+inline constexpr std::array<std::string_view, 2> tissue_method_names = {"clusters", "implicit"};
 
-[[nodiscard]] constexpr std::string_view name_of(TissueMethod model) {
-    return tissue_method_names[static_cast<std::size_t>(model)];
+[[nodiscard]] constexpr std::string_view name_of(TissueMethod method) {
+    return tissue_method_names[static_cast<std::size_t>(method)];
 }
 
 }  // namespace eti

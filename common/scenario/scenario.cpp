@@ -16,6 +16,22 @@ namespace eti {
 
 namespace {
 
+/// An XPBD tongue of earlier versions, `tetrahedra`, is read as implicit.
+TissueMethod tissue_method_of(YamlMap& physics, TissueMethod fallback) {
+    static constexpr std::array<std::string_view, 3> names = {"clusters", "implicit", "tetrahedra"};
+    const std::size_t named = physics.choice(
+        "tissue_method", static_cast<std::size_t>(fallback), names,
+        "How soft tissue is computed. `implicit`: the tongue by neo-Hookean tetrahedra with a converged "
+        "implicit step, all else by shape matching. `clusters`: everything by shape matching, which lets the "
+        "tongue be squeezed. `tetrahedra`, an XPBD tongue of earlier versions, is read as `implicit`");
+    if (named < tissue_method_names.size()) {
+        return static_cast<TissueMethod>(named);
+    }
+    spdlog::warn(
+        "physics.tissue_method: 'tetrahedra' (XPBD) no longer exists; 'implicit' solves the same mesh");
+    return TissueMethod::implicit;
+}
+
 /// The rows of a table that belong to `section`.
 template <class Rows, class Values>
 void read_fields(YamlMap& map, std::string_view section, const Rows& rows, Values& values) {
@@ -141,11 +157,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
                                          "The same at epiglottis and larynx, at most `spacing_mm`");
         p.region = physics->number("region_mm", p.region, {4, 40, millimetre},
                                    "Tissue farther from the airway moves rigidly with the bones");
-        choose(
-            *physics, "tissue_method", p.tissue_method, tissue_method_names,
-            "How the tongue is computed. `implicit`: neo-Hookean tetrahedra with a converged implicit step. "
-            "`tetrahedra`: the same by XPBD, too soft under the blade. `clusters`: shape matching, which "
-            "lets the tongue be squeezed");
+        p.tissue_method = tissue_method_of(*physics, p.tissue_method);
         if (!s.patient.model.empty()) {
             static const std::array<std::string, 3> held = {"spacing_mm", "fine_spacing_mm", "region_mm"};
             reject_keys_fixed_by_model(*physics, held);

@@ -54,11 +54,11 @@ class CellGrid {
     Vec3f middle_ = Vec3f::Zero();
     std::size_t count_ = 0;
     bool was_sorted_ = true;
-    std::uint32_t row_ = 0;    ///< cells in a row along x, with one empty cell on either side
-    std::uint32_t layer_ = 0;  ///< cells in a layer of rows
-    std::vector<std::uint32_t> start_;
-    std::vector<std::uint32_t> cell_;
-    std::vector<std::uint32_t> order_;
+    std::uint32_t row_ = 0;             ///< cells in a row along x, with one empty cell on either side
+    std::uint32_t layer_ = 0;           ///< cells in a layer of rows
+    std::vector<std::uint32_t> start_;  ///< [cells + 1]: position of a cell's first point in the sorted order
+    std::vector<std::uint32_t> cell_;   ///< [points]
+    std::vector<std::uint32_t> order_;  ///< [points]: indices in the sorted order
 };
 
 }  // namespace eti::pbd

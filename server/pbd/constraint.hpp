@@ -15,7 +15,7 @@ namespace eti::pbd {
 
 class Sleep;
 
-/// A constraint on the particles of a soft body, besides its clusters and tetrahedra. SoftBody calls its
+/// A constraint on the particles of a soft body, besides its clusters. SoftBody calls its
 /// constraints at the stages below, so that new kinds need no change to it. Virtual calls are made once per
 /// pass, never per particle: kernels are free functions.
 class Constraint {

@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #include "server/rigid/rigid_layer.hpp"
 
-#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -56,17 +54,6 @@ bool came_from_behind(const std::array<float, 3>& before, const std::array<float
     }
     return false;
 }
-
-struct RayCollector : btTriangleRaycastCallback {
-    RayCollector(const btVector3& from, const btVector3& to) : btTriangleRaycastCallback(from, to) {}
-    btScalar reportHit(const btVector3& hit_normal, btScalar hit_fraction, int, int triangle_index) override {
-        normal = hit_normal;
-        triangle = triangle_index;
-        return hit_fraction;
-    }
-    btVector3 normal{0, 0, 1};
-    int triangle = -1;
-};
 
 }  // namespace
 
@@ -182,21 +169,6 @@ const ProxyResult& RigidLayer::step(const RigidTransform& device_pose, float dt)
     result.penetration = w.depth() / to_cm;
     result.embedded = w.embedded;
     return result;
-}
-
-std::optional<RayHit> RigidLayer::ray(const Vec3f& from, const Vec3f& to) const {
-    const World& w = *world_;
-    if (!w.shell_shape || !from.allFinite() || !to.allFinite()) {
-        return std::nullopt;
-    }
-    RayCollector collector(to_bullet(Vec3f(to_cm * from)), to_bullet(Vec3f(to_cm * to)));
-    w.shell_shape->performRaycast(&collector, collector.m_from, collector.m_to);
-    if (collector.triangle < 0) {
-        return std::nullopt;
-    }
-    const std::uint32_t triangle = static_cast<std::uint32_t>(collector.triangle);
-    return RayHit{from + collector.m_hitFraction * (to - from), from_bullet(collector.normal),
-                  collector.m_hitFraction * (to - from).norm(), triangle, w.tissue[triangle]};
 }
 
 int library_version() {

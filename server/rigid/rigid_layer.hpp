@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -64,14 +63,6 @@ struct ProxyResult {
     int rolled_back = 0;    ///< substeps undone because they ended too deep in the shell
 };
 
-struct RayHit {
-    Vec3f position = Vec3f::Zero();  ///< [m]
-    Vec3f normal = Vec3f::UnitZ();   ///< unit, towards the ray's origin
-    float distance = 0.0f;           ///< [m], from the ray's origin
-    std::uint32_t triangle = 0;
-    Tissue tissue = Tissue::soft;
-};
-
 /// The laryngoscope's dynamic proxy against the shell, on Bullet. Patient frame, SI.
 ///
 /// The shell's triangles face the free side and stop the proxy from that side only. Each capsule of the proxy
@@ -101,9 +92,6 @@ class RigidLayer {
     const ProxyResult& step(const RigidTransform& device_pose, float dt);
 
     [[nodiscard]] const ProxyResult& result() const;
-
-    /// Returns the first triangle, of either side, on the segment from `from` to `to` [m].
-    [[nodiscard]] std::optional<RayHit> ray(const Vec3f& from, const Vec3f& to) const;
 
   private:
     struct World;

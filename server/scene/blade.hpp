@@ -15,7 +15,9 @@
 namespace eti::scene {
 
 /// Contact of the laryngoscope's capsules with the soft tissue: its particles, and the edges between surface
-/// particles, so that no blade slips between particles that it has pressed apart.
+/// particles, so that no blade slips between particles that it has pressed apart. Not thread safe: the
+/// physics thread calls all functions, except that begin_step() and project() may run concurrently with those
+/// of the tube.
 class BladeContact {
   public:
     using Edge = std::array<std::uint32_t, 2>;  ///< particle indices
@@ -87,7 +89,7 @@ class BladeContact {
         Clearance clearance;
     };
 
-    std::vector<Edge> edges_;                // sorted
+    std::vector<Edge> edges_;                // [edges], sorted
     std::vector<bool> excluded_;             // [particles], or empty
     std::vector<std::uint32_t> first_edge_;  // [particles]: index of the first edge that begins there
     std::vector<ParticleCandidate> particle_candidates_;
@@ -95,9 +97,9 @@ class BladeContact {
     Motion motion_;
     std::vector<std::uint32_t> reachable_;        // particle indices
     std::vector<std::uint32_t> reachable_index_;  // [particles]: index in reachable_, or none
-    std::vector<Vec3f> push_;               // [m], displacement of each reachable particle in this substep
-    std::vector<Vec3f> impulse_;            // [N s], on each reachable particle in this step
-    Vec3f torque_impulse_ = Vec3f::Zero();  // [N m s], on the particles, about the tool's origin
+    std::vector<Vec3f> push_;                     // [reachable_][m], displacement in this substep
+    std::vector<Vec3f> impulse_;                  // [reachable_][N s], in this step
+    Vec3f torque_impulse_ = Vec3f::Zero();        // [N m s], on the particles, about the tool's origin
 };
 
 }  // namespace eti::scene

@@ -13,7 +13,8 @@ namespace eti::scene {
 
 /// Boundary of the liquid: the offset shell, and in front of it the soft tissue's particles as balls. Both
 /// are written into one distance grid on the shell's nodes, but only near liquid; elsewhere the grid keeps
-/// older values. The liquid exerts no force on the tissue.
+/// older values. The liquid exerts no force on the tissue. Not thread safe: whoever computes the liquid's
+/// step calls all functions.
 class LiquidBoundary {
   public:
     /// `reach` [m]: distances are exact within this range of the tissue. `way` [m]: greatest travel of liquid
@@ -66,17 +67,16 @@ class LiquidBoundary {
     DistanceGrid grid_;
     std::uint64_t revision_ = 0;
     Eigen::Vector3i blocks_along_ = Eigen::Vector3i::Zero();
-    std::vector<Vec3f> known_;             ///< [m], positions of the particles when their blocks were
-                                           ///< computed
+    std::vector<Vec3f> known_;             ///< [particles][m], positions when their blocks were computed
     std::vector<std::uint32_t> outdated_;  ///< blocks to compute in this update
     std::vector<std::uint8_t>
         current_;                       ///< [blocks]: whether in the last update, and no ball in it has moved
     std::vector<std::uint8_t> before_;  ///< [blocks]: the same for the update before
     std::vector<std::uint8_t> moved_;   ///< [blocks]: whether a ball in it moved
-    std::vector<std::uint32_t> blocks_;  ///< blocks near liquid
-    std::vector<std::uint8_t> wanted_;   ///< [blocks]: whether it is in blocks_
-    std::vector<Ball> ball_;             ///< balls that may be near any of blocks_, sorted by block
-    std::vector<Ball> unsorted_;
+    std::vector<std::uint32_t> blocks_;      ///< blocks near liquid
+    std::vector<std::uint8_t> wanted_;       ///< [blocks]: whether it is in blocks_
+    std::vector<Ball> ball_;                 ///< balls that may be near any of blocks_, sorted by block
+    std::vector<Ball> unsorted_;             ///< the same in the order of the particles
     std::vector<std::uint32_t> ball_block_;  ///< block of each entry of unsorted_
     std::vector<std::uint32_t> first_ball_;  ///< [blocks]: index of its first ball
     float largest_ = 0.0f;                   ///< [m], largest ball radius

@@ -15,7 +15,8 @@ namespace eti::scene {
 /// The offset shell in the current posture: its mesh (for the rigid layer) at once, its distance grid (for
 /// tube and tongue) a fixed number of steps later. The grid takes about a second to compute, far longer than
 /// a step. It is computed in the background and adopted at a fixed step, early or late, so that a replayed
-/// session is bit-identical.
+/// session is bit-identical. The physics thread calls all functions; distance() does not change outside
+/// pose_now() and advance(), so that others may read it during a step.
 class PosedShell {
   public:
     PosedShell(const patient::Patient& patient, const patient::BonePoses& bones);
@@ -42,7 +43,7 @@ class PosedShell {
     void take();
 
     const patient::Patient& patient_;
-    std::vector<Vec3f> vertices_;
+    std::vector<Vec3f> vertices_;  // [shell vertices][m]
     DistanceGrid distance_;
     std::uint64_t revision_ = 0;
     std::future<DistanceGrid> pending_;

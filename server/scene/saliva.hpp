@@ -27,7 +27,7 @@ struct SalivaSurroundings {
     patient::BonePoses bones;
     const Landmarks& landmarks;
     RigidTransform blade_from, blade_to;
-    std::span<const Vec3f> tube_from, tube_to;  ///< node positions [m]
+    std::span<const Vec3f> tube_from, tube_to;  ///< [nodes][m]
     float suction = 0.0f;                       ///< 0..1
     Vec3f gravity = patient::gravity(0.0f);     ///< [m/s^2]
     float secretion = 1.0f;                     ///< secretion rate over the normal rate
@@ -43,6 +43,9 @@ struct SalivaSurroundings {
 
 /// Secretions in mouth and throat: initially a pool behind the tongue and a film on it, then glandular
 /// secretion; or blood in the same places. Liquid follows tissue and tools and exerts no force on them.
+///
+/// The physics thread calls all functions. Between begin_step() and end_step() the liquid is computed on
+/// another thread, and only end_step() may be called.
 class Saliva {
   public:
     Saliva(const patient::Patient& patient, const Laryngoscope& scope, float tube_radius, std::uint64_t seed,

@@ -121,7 +121,7 @@ void Scene::place_tube(const RigidTransform& grip) {
 }
 
 void Scene::follow(const RuntimeParameters& wanted) {
-    RuntimeParameters to = clamp_to_stability_limit(clamped(wanted));
+    RuntimeParameters to = clamped(wanted);
     if (to.tongue_scale != live_.tongue_scale && !swelling_ready()) {
         to.tongue_scale = live_.tongue_scale;
     }
@@ -154,14 +154,6 @@ void Scene::follow(const RuntimeParameters& wanted) {
     }
 }
 
-RuntimeParameters Scene::clamp_to_stability_limit(RuntimeParameters wanted) const {
-    wanted.tissue_stiffness = std::min(wanted.tissue_stiffness, settings_.max_stable_modulus / growth());
-    const float soft = advance_towards(live_, wanted, step_duration, settings_.rate_scale).tissue_stiffness;
-    wanted.tongue_scale =
-        std::min(wanted.tongue_scale, settings_.tongue_scale * settings_.max_stable_modulus / soft);
-    return wanted;
-}
-
 bool Scene::swelling_ready() {
     if (tissue_.has_swelling()) {
         return true;
@@ -186,120 +178,163 @@ void Scene::update_gravity() {
 }
 
 void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved) {
-    if (clock_ != nullptr) {
-        clock_->start();
+    if (timer_ != nullptr) {
+        timer_->start();
     }
     follow(inputs.runtime_parameters);
     shell_.advance();
-    if (settings_.manikin) {
-        follow_tools(inputs, proxy_moved);
-        return;
-    }
-
-    const rigid::ProxyResult& proxy = rigid_.step(inputs.laryngoscope, step_duration);
-    ++snapshot_.step;
-    // Whole nanoseconds from the step number: no drift.
-    snapshot_.time_ns = time_ns_of(snapshot_.step);
-    fill_proxy(inputs);
+    move_proxy(inputs);
     if (proxy_moved) {
         proxy_moved(snapshot_);
     }
     lap(StepStage::rigid);
+    if (settings_.manikin) {
+        tube_.reset(inputs.tube_grip);
+        end_step(inputs);
+        return;
+    }
 
-    // The particles collide with the blade at its last pose without penetration of the shell.
-    const RigidTransform blade_to = proxy.last_free;
-    pbd::SoftBody& body = tissue_.body();
-    if (shell_revision_ != shell_.revision()) {
-        shell_revision_ = shell_.revision();
-        wake_tissue();
-    }
-    Tongue& tongue = tissue_.tongue();
-    if (tongue.update_tools_away(!blade_.reaches_tissue() && !tube_.reaches_tissue())) {
-        wake_tissue();  // tissue wound about itself may have fallen asleep while a tool was near
-    }
-    blade_.wake(body, blade_pose_, blade_to);
-    tube_.wake(body, grip_, inputs.tube_grip);
-    body.begin_step();
-    parallel::run_both(
-        [&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
-        [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
-    const bool liquid_moves = saliva_ && saliva_->flows(live_.secretion);
-    if (liquid_moves) {
-        saliva_->begin_step(saliva_surroundings(blade_to, live_.suction));
-    }
-    const int substeps = settings_.substeps;
-    const float dt = step_duration / static_cast<float>(substeps);
+    wake_near_tools(inputs);
+    find_reachable(inputs);
+    const bool liquid_moves = begin_saliva();
     lap(StepStage::reach);
-    const bool tongue_moves = !tongue.empty() && body.sleep.mesh_awake();
-    const int solves = tongue_moves ? Tongue::solve_count(blade_.travel(), substeps) : 1;
-    const int per_solve = substeps / solves;
-    for (int s = 0; s < substeps; ++s) {
-        const float begin = static_cast<float>(s) / static_cast<float>(substeps);
-        const float end = static_cast<float>(s + 1) / static_cast<float>(substeps);
-        const int since_solve = s % per_solve;
-        const float solved_part = static_cast<float>(since_solve + 1) / static_cast<float>(per_solve);
-        if (tongue_moves && since_solve == 0) {
-            const float until = static_cast<float>(s + per_solve) / static_cast<float>(substeps);
-            tongue.solve(body, {blade_.scope(), blade_.pose_at(begin), blade_.pose_at(until)},
-                         {shell_.distance(), shell_.revision()}, dt * static_cast<float>(per_solve),
-                         static_cast<float>(per_solve) / static_cast<float>(substeps - s), blade_);
-            lap(StepStage::tissue);
-        }
-        body.predict(dt, 1.0f / static_cast<float>(substeps - s));
-        if (tongue_moves) {
-            tongue.place(body.particles, solved_part);
-        }
-        tube_.predict(dt, end, gravity_);
-        lap(StepStage::predict);
-        const auto tissue = [&] {
-            body.project(dt);
-            lap(StepStage::tissue);
-            blade_.project(body.particles, begin, end, dt);
-            lap(StepStage::blade);
-        };
-        const auto tube = [&] { tube_.project(body.particles, shell_.distance(), begin, end); };
-        // With a timer, sequentially, to measure each.
-        if (tube_.reaches_tissue() || clock_ != nullptr) {
-            tissue();
-            tube();
-            lap(StepStage::tube);
-        } else {
-            parallel::run_both(tissue, tube);
-        }
-        keep_out_of_shell(body.particles);
-        lap(StepStage::shell);
-        if (tongue_moves) {
-            tongue.absorb_contact_displacements(body.particles, solved_part);
-        }
-        tube_.finish();
-        body.finish(dt);
-        if (tongue_moves && since_solve + 1 == per_solve) {
-            tongue.finish(body, per_solve);
-        }
-        lap(StepStage::finish);
+    const int per_solve = substeps_per_solve();
+    for (int s = 0; s < settings_.substeps; ++s) {
+        const Substep now = substep(s, per_solve);
+        solve_tongue(now);
+        predict(now);
+        project(now);
+        finish(now);
     }
-    blade_pose_ = blade_to;
-    grip_ = inputs.tube_grip;
-    previous_tube_nodes_ = snapshot_.tube_nodes;
-    fill_snapshot(inputs);
-    body.end_step();
+    end_step(inputs);
+    tissue_.body().end_step();
     if (liquid_moves) {
         saliva_->end_step();
         fill_saliva();
     }
 }
 
-void Scene::follow_tools(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved) {
-    rigid_.reset(inputs.laryngoscope);
-    tube_.reset(inputs.tube_grip);
-    blade_pose_ = inputs.laryngoscope;
-    grip_ = inputs.tube_grip;
+void Scene::move_proxy(const Inputs& inputs) {
+    if (settings_.manikin) {
+        rigid_.reset(inputs.laryngoscope);
+    } else {
+        rigid_.step(inputs.laryngoscope, step_duration);
+    }
     ++snapshot_.step;
+    // Whole nanoseconds from the step number: no drift.
     snapshot_.time_ns = time_ns_of(snapshot_.step);
     fill_proxy(inputs);
-    if (proxy_moved) {
-        proxy_moved(snapshot_);
+}
+
+void Scene::wake_near_tools(const Inputs& inputs) {
+    if (shell_revision_ != shell_.revision()) {
+        shell_revision_ = shell_.revision();
+        wake_tissue();
     }
+    if (tissue_.tongue().update_tools_away(!blade_.reaches_tissue() && !tube_.reaches_tissue())) {
+        wake_tissue();  // tissue wound about itself may have fallen asleep while a tool was near
+    }
+    blade_.wake(tissue_.body(), blade_pose_, snapshot_.last_free);
+    tube_.wake(tissue_.body(), grip_, inputs.tube_grip);
+}
+
+void Scene::find_reachable(const Inputs& inputs) {
+    pbd::SoftBody& body = tissue_.body();
+    body.begin_step();
+    const RigidTransform& blade_to = snapshot_.last_free;
+    parallel::run_both(
+        [&] { blade_.begin_step(body.particles, blade_pose_, blade_to); },
+        [&] { tube_.begin_step(body.particles, grip_, inputs.tube_grip, blade_pose_, blade_to); });
+}
+
+bool Scene::begin_saliva() {
+    if (!saliva_ || !saliva_->flows(live_.secretion)) {
+        return false;
+    }
+    saliva_->begin_step(saliva_surroundings(snapshot_.last_free, live_.suction));
+    return true;
+}
+
+int Scene::substeps_per_solve() const {
+    if (tissue_.tongue().empty() || !tissue_.body().sleep.mesh_awake()) {
+        return 0;
+    }
+    return settings_.substeps / Tongue::solve_count(blade_.travel(), settings_.substeps);
+}
+
+Scene::Substep Scene::substep(int index, int per_solve) const {
+    const auto count = static_cast<float>(settings_.substeps);
+    Substep now{.index = index,
+                .per_solve = per_solve,
+                .dt = step_duration / count,
+                .begin = static_cast<float>(index) / count,
+                .end = static_cast<float>(index + 1) / count};
+    if (per_solve > 0) {
+        now.solved_part = static_cast<float>(index % per_solve + 1) / static_cast<float>(per_solve);
+    }
+    return now;
+}
+
+void Scene::solve_tongue(const Substep& now) {
+    if (now.per_solve == 0 || now.index % now.per_solve != 0) {
+        return;
+    }
+    const auto covered = static_cast<float>(now.per_solve);
+    const float until =
+        static_cast<float>(now.index + now.per_solve) / static_cast<float>(settings_.substeps);
+    tissue_.tongue().solve(tissue_.body(), {blade_.scope(), blade_.pose_at(now.begin), blade_.pose_at(until)},
+                           {shell_.distance(), shell_.revision()}, now.dt * covered,
+                           covered / static_cast<float>(settings_.substeps - now.index), blade_);
+    lap(StepStage::tissue);
+}
+
+void Scene::predict(const Substep& now) {
+    tissue_.body().predict(now.dt, 1.0f / static_cast<float>(settings_.substeps - now.index));
+    if (now.per_solve > 0) {
+        tissue_.tongue().place(tissue_.body().particles, now.solved_part);
+    }
+    tube_.predict(now.dt, now.end, gravity_);
+    lap(StepStage::predict);
+}
+
+void Scene::project(const Substep& now) {
+    pbd::SoftBody& body = tissue_.body();
+    const auto tissue = [&] {
+        body.project(now.dt);
+        lap(StepStage::tissue);
+        blade_.project(body.particles, now.begin, now.end, now.dt);
+        lap(StepStage::blade);
+    };
+    const auto tube = [&] { tube_.project(body.particles, shell_.distance(), now.begin, now.end); };
+    // With a timer, sequentially, to measure each.
+    if (tube_.reaches_tissue() || timer_ != nullptr) {
+        tissue();
+        tube();
+        lap(StepStage::tube);
+    } else {
+        parallel::run_both(tissue, tube);
+    }
+    keep_out_of_shell(body.particles);
+    lap(StepStage::shell);
+}
+
+void Scene::finish(const Substep& now) {
+    pbd::SoftBody& body = tissue_.body();
+    if (now.per_solve > 0) {
+        tissue_.tongue().absorb_contact_displacements(body.particles, now.solved_part);
+    }
+    tube_.finish();
+    body.finish(now.dt);
+    if (now.per_solve > 0 && (now.index + 1) % now.per_solve == 0) {
+        tissue_.tongue().finish(body, now.per_solve);
+    }
+    lap(StepStage::finish);
+}
+
+void Scene::end_step(const Inputs& inputs) {
+    blade_pose_ = snapshot_.last_free;
+    grip_ = inputs.tube_grip;
+    previous_tube_nodes_ = snapshot_.tube_nodes;
     fill_snapshot(inputs);
 }
 

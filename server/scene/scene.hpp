@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <future>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -37,9 +36,6 @@ struct Settings {
     float rate_scale = 1.0f;    ///< scales the rates at which runtime parameters approach their targets
     float head_scale = 1.0f;    ///< with which the model was built
     float tongue_scale = 1.0f;  ///< with which the model was built
-    /// [Pa], largest Young's modulus for which the solver is stable in the tongue as built; it decreases as
-    /// the tongue grows. Where stiffness and size both change, each is limited by the other.
-    float max_stable_modulus = std::numeric_limits<float>::infinity();
     rigid::Settings rigid;
     bool self_contact = false;  ///< enables contact between tissue and tissue
     bool sleep = true;          ///< skips solving tissue at rest
@@ -53,13 +49,16 @@ struct Settings {
 
 /// Patient, laryngoscope, tube and saliva in one simulation. The particle solver computes tissue, rod and
 /// liquid; the rigid layer computes the laryngoscope's proxy.
+///
+/// Not thread safe: the physics thread calls all functions. step() spreads its work over the threads of
+/// server/parallel and returns once all of it is done. Other threads get copies of snapshot().
 class Scene {
   public:
     Scene(const patient::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
           const Settings& settings);
 
-    /// Advances by one step of 1/180 s. Calls `proxy_moved` with the step's proxy as soon as the rigid layer
-    /// has finished, long before the tissue has.
+    /// Advances by one step of 1/180 s, in the stages declared below. Calls `proxy_moved`, on the calling
+    /// thread, with the step's proxy as soon as the rigid layer has finished, long before the tissue has.
     void step(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved = {});
 
     /// State after the last step; valid until the next.
@@ -69,8 +68,8 @@ class Scene {
     /// Signed distances [m] of the offset shell in the current posture; negative inside the tissue.
     [[nodiscard]] const DistanceGrid& shell() const { return shell_.distance(); }
 
-    /// Times the stages of subsequent steps with `clock`, which must outlive them; nullptr: none.
-    void set_step_timer(StepTimer* clock) { clock_ = clock; }
+    /// Times the stages of subsequent steps with `timer`, which must outlive them; nullptr: none.
+    void set_step_timer(StepTimer* timer) { timer_ = timer; }
 
     /// FNV-1a over the bits of positions and velocities of particles, rod, proxy and liquid. State that
     /// contacts keep between steps is excluded; differences in it show a step later.
@@ -84,13 +83,48 @@ class Scene {
     void place_tube(const RigidTransform& grip);
 
   private:
-    /// A step in which both tools are at their devices' poses and nothing deforms.
-    void follow_tools(const Inputs& inputs, const std::function<void(const ProxySnapshot&)>& proxy_moved);
-    /// Moves the runtime parameters towards `wanted`, by at most their change per step.
+    /// A substep of a step, and its place in the part of the step that one solve of the tongue covers.
+    struct Substep {
+        int index = 0;
+        int per_solve = 0;               ///< substeps covered by a solve; 0: the tongue does not move
+        float dt = 0.0f;                 ///< [s]
+        float begin = 0.0f, end = 0.0f;  ///< fractions of the step
+        float solved_part = 0.0f;        ///< fraction, at its end, of the part that the solve covers
+    };
+
+    // Stages of a step, in order. Each adds its time to the step timer.
+
+    /// Moves the runtime parameters towards `wanted` by at most their change per step. Where they change,
+    /// updates gravity, stiffness and rest shape of the tissue, the tube's material, and the shell that the
+    /// rigid layer collides with.
     void follow(const RuntimeParameters& wanted);
-    /// Limits `wanted` to what the solver can simulate stably. Stiffness and size of the tongue limit each
-    /// other.
-    [[nodiscard]] RuntimeParameters clamp_to_stability_limit(RuntimeParameters wanted) const;
+    /// Moves the proxy towards the device, stopped by the shell (with a manikin: to the device). Writes the
+    /// ProxySnapshot, whose `last_free` is where the particles' blade moves in this step: its last pose
+    /// without penetration of the shell.
+    void move_proxy(const Inputs& inputs);
+    /// Wakes tissue that a tool may touch on its way, and all of it if the shell's distances changed.
+    void wake_near_tools(const Inputs& inputs);
+    /// Decides which tissue sleeps, and lists the particles within reach of blade and tube.
+    void find_reachable(const Inputs& inputs);
+    /// Starts the liquid's step in the background, on copies of tissue and tube as of the last step. Returns
+    /// whether there is anything to compute.
+    [[nodiscard]] bool begin_saliva();
+    /// For each substep: at the first that a solve covers, solves the tongue with its contacts on blade and
+    /// shell; writes its particles' path and the blade's impulses.
+    void solve_tongue(const Substep& now);
+    /// Writes predicted positions: free particles by velocity, those of bones towards rest, the tongue's on
+    /// its path; and the rod's.
+    void predict(const Substep& now);
+    /// Moves predicted positions by clusters, links and other constraints, blade, tube and shell.
+    void project(const Substep& now);
+    /// Writes positions and velocities, and what pushed the tongue, as springs for its next solve.
+    void finish(const Substep& now);
+    /// Adopts the tools' poses and writes the rest of the snapshot, except for the liquid.
+    void end_step(const Inputs& inputs);
+
+    /// Substeps covered by one solve of the tongue in this step: fewer for a faster blade; 0 while it sleeps.
+    [[nodiscard]] int substeps_per_solve() const;
+    [[nodiscard]] Substep substep(int index, int per_solve) const;
     /// Whether the tongue's swelling has been computed; the first call starts it and takes half a second.
     [[nodiscard]] bool swelling_ready();
     void wake_tissue() { tissue_.body().sleep.wake_all(tissue_.body().particles); }
@@ -108,8 +142,8 @@ class Scene {
     void fill_proxy(const Inputs& inputs);
     void fill_snapshot(const Inputs& inputs);
     void lap(StepStage stage) {
-        if (clock_ != nullptr) {
-            clock_->lap(stage);
+        if (timer_ != nullptr) {
+            timer_->lap(stage);
         }
     }
     void fill_saliva();
@@ -121,7 +155,7 @@ class Scene {
     RuntimeParameters live_;
     // Swelling of the tongue, computed in the background once another size is requested and adopted a fixed
     // number of steps later, so that a replayed session is bit-identical.
-    std::future<std::vector<Vec3f>> swelling_;
+    std::future<std::vector<Vec3f>> swelling_;  // [particles][m]
     int swelling_wait_ = 0;
     Vec3f gravity_ = Vec3f::Zero();  // [m/s^2]
     SoftTissue tissue_;
@@ -131,14 +165,14 @@ class Scene {
     Tube built_tube_;  // as in the scenario
     TubeContact tube_;
     std::optional<Saliva> saliva_;
-    std::vector<Vec3f> previous_tube_nodes_;      // [m], one step before the snapshot's
+    std::vector<Vec3f> previous_tube_nodes_;      // [nodes][m], one step before the snapshot's
     std::vector<std::uint32_t> shell_particles_;  // indices of particles that collide with the shell
     ShellClearance clearance_;                    // of shell_particles_
     std::uint64_t shell_revision_ = 0;            // revision against which tissue was last woken
     RigidTransform blade_pose_;                   // pose at which the particles last collided with it
     RigidTransform grip_;
     Snapshot snapshot_;
-    StepTimer* clock_ = nullptr;
+    StepTimer* timer_ = nullptr;
 };
 
 }  // namespace eti::scene

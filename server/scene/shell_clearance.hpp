@@ -11,7 +11,7 @@
 namespace eti::scene {
 
 /// Inside tests of many points against a shell. A point is looked up only if it may have entered since its
-/// last lookup.
+/// last lookup. inside() may be called from any thread, for different points; begin() must not run meanwhile.
 class ShellClearance {
   public:
     /// Prepares for `points` points and the shell with this revision; discards the cache of any other.
@@ -21,7 +21,7 @@ class ShellClearance {
             revision_ = revision;
         }
     }
-    /// Whether the point is inside. Points may be queried in any order and concurrently.
+    /// Whether the point is inside. Points may be queried in any order.
     [[nodiscard]] bool inside(std::size_t number, const Vec3f& point, const DistanceGrid& shell) {
         Place& last = last_[number];
         // Along each axis the grid's distance changes by at most the displacement, in total by sqrt(3) times
@@ -39,7 +39,7 @@ class ShellClearance {
         Vec3f seen = Vec3f::Zero();
         float distance = 0.0f;  // [m], at `seen`; 0: look up
     };
-    std::vector<Place> last_;
+    std::vector<Place> last_;  // [points]
     std::uint64_t revision_ = 0;
 };
 

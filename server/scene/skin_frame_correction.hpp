@@ -15,7 +15,7 @@ namespace eti::scene {
 
 /// Shifts skinning frames so that the drawn surface coincides with its tetrahedra. A frame follows its
 /// cluster rigidly and does not stretch: beside a blade the drawn surface would deviate by millimetres from
-/// the mesh that is in contact (docs/decisions/skinning.md).
+/// the mesh that is in contact (docs/decisions/skinning.md). Not thread safe.
 class SkinFrameCorrection {
   public:
     /// `tetrahedra`: indices, in the patient, of the tongue's tetrahedra.

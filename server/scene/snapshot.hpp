@@ -29,7 +29,7 @@ struct SalivaState {
     float spacing = 0.0f;          ///< [m], of particles at rest
     Vec3f lower = Vec3f::Zero();   ///< [m], corners of the box
     Vec3f upper = Vec3f::Zero();   ///< that holds all positions
-    std::vector<Vec3f> positions;  ///< [m]; indices are not stable from step to step
+    std::vector<Vec3f> positions;  ///< [liquid particles][m]; indices are not stable from step to step
     std::uint64_t overflow = 0;    ///< particles not created for lack of room, since the last reset
     std::uint64_t left = 0;        ///< particles that left the head, since the last reset
     std::uint64_t aspirated = 0;   ///< particles removed by suction, since the last reset
@@ -47,24 +47,24 @@ struct ProxySnapshot {
     Vec3f proxy_angular_velocity = Vec3f::Zero();  ///< [rad/s]
     Vec3f shell_force = Vec3f::Zero();             ///< [N], total of the shell on the proxy
     Vec3f shell_torque = Vec3f::Zero();            ///< [N m], about the proxy's origin
-    std::vector<rigid::Contact> shell_contacts;
+    std::vector<rigid::Contact> shell_contacts;    ///< [contacts that carry force]
 };
 
-/// State of the scene after one step: the only input of metrics, recorder and bus. Patient frame.
+/// The scene after a step, a value for any thread: input of metrics, recorder and bus. Patient frame.
 struct Snapshot : ProxySnapshot {
-    Vec3f tissue_force = Vec3f::Zero();   ///< [N], total of the particles on the blade
-    Vec3f tissue_torque = Vec3f::Zero();  ///< [N m], about the proxy's origin
-    std::vector<TissueContact> tissue_contacts;
+    Vec3f tissue_force = Vec3f::Zero();          ///< [N], total of the particles on the blade
+    Vec3f tissue_torque = Vec3f::Zero();         ///< [N m], about the proxy's origin
+    std::vector<TissueContact> tissue_contacts;  ///< [touched particles]
 
     RigidTransform tube_grip;           ///< latched pose of the tube's tracked grip
-    std::vector<Vec3f> tube_nodes;      ///< [m], centre line from connector to tip
+    std::vector<Vec3f> tube_nodes;      ///< [rod segments + 1][m], centre line from connector to tip
     Vec3f tube_force = Vec3f::Zero();   ///< [N], of the tube on the hand, step mean
     Vec3f tube_torque = Vec3f::Zero();  ///< [N m], about the grip
     SalivaState saliva;
 
-    std::vector<FramePose> frames;  ///< [bones | clusters | skull], indexed as in the patient model
-    Landmarks landmarks{};
-    std::vector<Vec3f> glottis_contour;  ///< [m], closed polygon
+    std::vector<FramePose> frames;       ///< [bones | clusters | skull], indexed as in the patient model
+    Landmarks landmarks{};               ///< [Landmark][m]
+    std::vector<Vec3f> glottis_contour;  ///< [vertices][m], closed polygon
 
     RuntimeParameters runtime_parameters;  ///< current values
 };

@@ -26,7 +26,7 @@ enum class StepStage { rigid, reach, predict, tissue, blade, tube, shell, finish
     return names[static_cast<std::size_t>(stage)];
 }
 
-/// Wall time of a step by stage. The simulation does not depend on it.
+/// Wall time of a step by stage. The simulation does not depend on it. Used by the physics thread only.
 class StepTimer {
   public:
     using Clock = std::chrono::steady_clock;

@@ -79,7 +79,7 @@ std::optional<pbd::ClusterChain> epiglottis_of(const patient::Patient& patient,
 
 }  // namespace
 
-SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod model, float substep)
+SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, float substep)
     : patient_(patient), substep_(substep), soft_(patient.tissue_stiffness) {
     const patient::ParticleSet& set = patient.particles;
     body_.settings.damping = patient::tissue_damping;
@@ -106,7 +106,7 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod model, floa
     });
     pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
-    if (model != TissueMethod::clusters) {
+    if (method == TissueMethod::implicit) {
         meshed_ = patient::tetrahedra_of(Tissue::tongue, patient);
         for (const std::uint32_t t : meshed_) {
             mesh.tetrahedra.push_back(patient.tetrahedra.corners[t]);
@@ -124,19 +124,15 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod model, floa
             members, [&](std::uint32_t i) { return !meshed[i] && p.inverse_mass[i] > 0.0f; });
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
-    pbd::ShapeMatching::Description held = description(held_clusters_, substep);
-    if (model == TissueMethod::implicit) {
-        const std::vector<float> own = p.inverse_mass;
-        for (std::size_t i = 0; i < p.size(); ++i) {
-            p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters do not move the mesh's particles
-        }
-        body_.shapes.configure(held, p);
-        p.inverse_mass = own;
+    const pbd::ShapeMatching::Description held = description(held_clusters_, substep);
+    const std::vector<float> own = p.inverse_mass;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters do not move the mesh's particles
+    }
+    body_.shapes.configure(held, p);
+    p.inverse_mass = own;
+    if (method == TissueMethod::implicit) {
         tongue_.configure(mesh, surface_edges_, p, substep);
-    } else {
-        body_.tetrahedra.configure(mesh, p);
-        held.early = meshed;
-        body_.shapes.configure(held, p);
     }
     fitted_.configure(description(fitted_clusters_, substep, fitted_reach), p);
     drawn_.configure(patient, meshed_);
@@ -228,9 +224,7 @@ void SoftTissue::update_moduli() {
     for (const std::uint32_t t : meshed_) {
         moduli_.push_back(patient::tetrahedron_modulus(patient_, t, soft_));
     }
-    if (tongue_.empty()) {
-        body_.tetrahedra.set_youngs_modulus(moduli_);
-    } else {
+    if (!tongue_.empty()) {
         tongue_.set_youngs_modulus(moduli_, body_.particles);
     }
     moduli_.clear();
@@ -249,14 +243,7 @@ void SoftTissue::update_moduli() {
 }
 
 void SoftTissue::enable_sleeping() {
-    std::vector<bool> mesh = tongue_.moved();
-    if (body_.tetrahedra.size() > 0) {
-        mesh.assign(body_.particles.size(), false);
-        for (const std::uint32_t i : body_.tetrahedra.particles()) {
-            mesh[i] = true;
-        }
-    }
-    body_.enable_sleeping(mesh, {});
+    body_.enable_sleeping(tongue_.moved(), {});
 }
 
 void SoftTissue::frames(std::vector<FramePose>& frames, float head_size) {

@@ -16,16 +16,17 @@
 namespace eti::scene {
 
 /// The patient's soft tissue in the particle solver: built from the model, posed with the skeleton, read back
-/// as frames for skinning.
+/// as frames for skinning. Not thread safe: the physics thread calls all functions.
 class SoftTissue {
   public:
     /// `substep` [s]: the calibrated stiffness of clusters depends on it.
-    SoftTissue(const patient::Patient& patient, TissueMethod model, float substep);
+    SoftTissue(const patient::Patient& patient, TissueMethod method, float substep);
 
     /// Carries the unloaded shape to a posture. Particles bound to bone move there over the next step.
     void pose(const patient::BonePoses& bones);
 
-    /// Sets the tongue's growth field (see patient::tongue_swelling()); required before set_tongue_growth().
+    /// Sets the tongue's growth field [particles][m] (see patient::tongue_swelling()); required before
+    /// set_tongue_growth().
     void set_swelling(std::vector<Vec3f> displacement);
     [[nodiscard]] bool has_swelling() const { return !swelling_.empty(); }
     /// Length of the tongue relative to the built one; takes effect with the next pose(). Masses do not
@@ -38,7 +39,7 @@ class SoftTissue {
     /// step.
     void enable_sleeping();
 
-    /// Poses of bones and clusters relative to the model's rest posture. Resizes `frames` once. Clusters
+    /// Poses [bones | clusters | skull] relative to the model's rest posture. Resizes `frames` once. Clusters
     /// replaced by tetrahedra are fitted here to the particles and to the drawn surface. Entries of sleeping
     /// clusters keep their values, which must be from before they fell asleep. `head_size`: the cranium's
     /// size relative to the built one.
@@ -74,21 +75,22 @@ class SoftTissue {
 
     const patient::Patient& patient_;
     pbd::SoftBody body_;
-    std::vector<std::array<std::uint32_t, 2>> surface_edges_;
+    std::vector<std::array<std::uint32_t, 2>> surface_edges_;  // [edges]: particle indices
     Tongue tongue_;
     pbd::ShapeMatching fitted_;  // clusters of particles that tetrahedra move; used for their frames only
     SkinFrameCorrection drawn_;  // corrects fitted frames to the tetrahedra
     std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // indices of both in the patient
     patient::BonePoses bones_;
-    std::vector<patient::BoneWeights> cluster_bones_;  // mean over each cluster's members
-    std::vector<Quatf> cluster_turn_;                  // rotation from model rest to posed rest
-    std::vector<Vec3f> cluster_posed_centre_;          // frame centre in the posed rest
+    std::vector<patient::BoneWeights> cluster_bones_;  // [clusters], mean over the members
+    std::vector<Quatf> cluster_turn_;                  // [clusters], rotation from model rest to posed rest
+    std::vector<Vec3f> cluster_posed_centre_;          // [clusters][m], frame centre in the posed rest
     float substep_;                                    // [s]
     float soft_;                                       // [Pa], Young's modulus of tongue and mucosa
     float growth_ = 1.0f;                              // growth of the tongue
-    std::vector<Vec3f> swelling_, cluster_swelling_;   // [m] per unit of growth; for clusters the mean
-    std::vector<std::uint32_t> meshed_;                // indices, in the patient, of the tetrahedra in use
-    std::vector<float> moduli_;                        // scratch
+    std::vector<Vec3f> swelling_;          // [particles][m] per unit of growth; empty until it is set
+    std::vector<Vec3f> cluster_swelling_;  // [clusters][m], mean over the members
+    std::vector<std::uint32_t> meshed_;    // indices, in the patient, of the tetrahedra in use
+    std::vector<float> moduli_;            // scratch
 };
 
 }  // namespace eti::scene

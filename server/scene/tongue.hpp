@@ -18,6 +18,8 @@ namespace eti::scene {
 /// straight lines. Clusters, links, tube and other tissue that push particles meanwhile meet the stiffness of
 /// a single particle, and enter the next solve as springs of that stiffness. These are never stiffer than
 /// what pushes is assumed to be, so that the exchange converges.
+///
+/// Not thread safe: the physics thread calls all functions.
 class Tongue {
   public:
     /// [m/s^2], in addition to the weight that the unloaded shape already carries.
@@ -66,7 +68,7 @@ class Tongue {
 
     pbd::ImplicitTetrahedra mesh_;
     TongueContacts contacts_;
-    std::vector<bool> moved_;
+    std::vector<bool> moved_;                                       // [particles]
     std::vector<pbd::ImplicitTetrahedra::Spring> cluster_springs_;  // from clusters
     std::vector<Vec3f> from_, to_, push_;                           // [corners][m]
     float substep_ = 0.0f, dt_ = 0.0f;                              // [s]

@@ -16,7 +16,7 @@ namespace eti::scene {
 
 /// Contacts of an implicit mesh's particles and surface edges with the laryngoscope's capsules or the offset
 /// shell, with their forces of the previous step. The blade collides with the particles' balls, and between
-/// them with a ball swept along each surface edge.
+/// them with a ball swept along each surface edge. Not thread safe.
 class TongueContacts {
   public:
     using Edge = std::array<std::uint32_t, 2>;  ///< particle indices
@@ -63,12 +63,12 @@ class TongueContacts {
     /// Adds a contact that touches now or did in the last step; its `slip` is that of this step so far.
     void add(const pbd::MeshContact& contact, std::uint8_t obstacle);
 
-    std::vector<std::uint32_t> movers_;
+    std::vector<std::uint32_t> movers_;  // particle indices, ascending
     std::vector<Edge> edges_;
-    ShellClearance clearance_;           // of the movers
-    std::vector<PreviousContact> last_;  // sorted
-    std::vector<pbd::MeshContact> now_;
-    std::vector<std::uint8_t> obstacle_;
+    ShellClearance clearance_;            // [movers]
+    std::vector<PreviousContact> last_;   // [contacts of the last call], sorted by key
+    std::vector<pbd::MeshContact> now_;   // [contacts]
+    std::vector<std::uint8_t> obstacle_;  // [contacts]: capsule index, or shell_obstacle
 };
 
 }  // namespace eti::scene

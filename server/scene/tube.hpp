@@ -13,7 +13,9 @@
 
 namespace eti::scene {
 
-/// Contact of the tube with shell, blade and soft tissue. All contacts are solved together with the rod.
+/// Contact of the tube with shell, blade and soft tissue. All contacts are solved together with the rod. Not
+/// thread safe: the physics thread calls all functions, except that begin_step(), and project() where no
+/// tissue is within reach, may run concurrently with those of the blade.
 class TubeContact {
   public:
     TubeContact(const Tube& tube, const Laryngoscope& scope, const RigidTransform& grip);
@@ -41,6 +43,7 @@ class TubeContact {
     void reset(const RigidTransform& grip);
     /// Sets Young's modulus and curve.
     void set_material(const Tube& tube) { rod_.set_material(tube); }
+    /// Centre line [segments + 1][m] from connector to tip.
     void nodes(std::vector<Vec3f>& out) const;
     [[nodiscard]] const pbd::Rod& rod() const { return rod_; }
 
@@ -92,8 +95,8 @@ class TubeContact {
     RigidTransform grip_from_, grip_to_, blade_from_, blade_to_;
     std::vector<pbd::RodContact> contacts_;  ///< shell, blade (one per site each), particles
     std::vector<Ends> ends_, last_ends_;     ///< [segments]; current, and at the start of this step
-    std::vector<Near> near_, last_near_;     ///< sorted by particle index
-    std::vector<Vec3f> last_force_;          ///< [N], of the entries of near_
+    std::vector<Near> near_, last_near_;     ///< [particles in reach], sorted by particle index
+    std::vector<Vec3f> last_force_;          ///< [near_][N]
     std::vector<SegmentTravel> travel_;      ///< [segments]
     std::vector<float> clearance_;           ///< [segments][m]
     bool near_blade_ = false;

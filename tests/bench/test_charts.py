@@ -78,11 +78,11 @@ class Charts(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
         results = {result["name"]: result for result in json.loads(done.stdout)["results"]}
         parts = ["bandwidth over 256 MB (triad)", "shape matching, per membership",
-                 "neo-Hookean tetrahedra, per tetrahedron", "fluid, per particle and substep of 5 passes",
+                 "fluid, per particle and substep of 5 passes",
                  "fluid, per neighbour of a particle and substep of 5 passes",
                  "contact of a capsule with a particle", "contact of a distance grid with a particle",
                  "tube of 16 segments, per substep", "contact of the tube, per pass",
-                 "clusters of 9261 particles, per particle", "tetrahedra of 9261 particles, per particle",
+                 "clusters of 9261 particles, per particle",
                  "links of the patient, per substep", "view of the glottis, per look (30 a second)",
                  "proxy of the lifting laryngoscope against the shell, per step",
                  "refit of the shell after a change of posture", "loading the model file"]
@@ -95,8 +95,7 @@ class Charts(unittest.TestCase):
             for number in threads:
                 self.assertIn(f"{part}, {number}", results)
         self.assertEqual({name.rpartition(", ")[2] for name in results}, set(threads))
-        for part in ("links, per link", "body of 4184 links, per substep",
-                     "body of 3072 tetrahedra, per tetrahedron and substep"):
+        for part in ("links, per link", "body of 4184 links, per substep"):
             self.assertGreater(results[f"{part}, 1 thread"]["peer"], 0)
         for result in results.values():
             self.assertGreater(result["value"], 0, result)

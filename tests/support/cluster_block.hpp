@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "server/pbd/soft/soft_body.hpp"
@@ -13,9 +12,9 @@ inline constexpr float cluster_spacing = 2e-3f;        ///< [m]
 inline constexpr float cluster_particle_mass = 8e-6f;  ///< [kg]
 
 /// A block of `n` cubed particles, 2 mm apart, in clusters of 27 on every second lattice point, without
-/// damping. All are free except the uppermost `held` layers. `early`: see pbd::ShapeMatching::Description.
-inline pbd::SoftBody cluster_block(int n, float youngs_modulus, const Vec3f& at = Vec3f::Zero(), int held = 0,
-                                   std::vector<bool> early = {}) {
+/// damping. All are free except the uppermost `held` layers.
+inline pbd::SoftBody cluster_block(int n, float youngs_modulus, const Vec3f& at = Vec3f::Zero(),
+                                   int held = 0) {
     constexpr float volume = cluster_spacing * cluster_spacing * cluster_spacing;
     pbd::SoftBody body;
     body.settings.damping = 0.0f;
@@ -53,7 +52,6 @@ inline pbd::SoftBody cluster_block(int n, float youngs_modulus, const Vec3f& at 
     }
     description.particle_volume.assign(body.particles.size(), volume);
     description.fitting_mass.assign(body.particles.size(), cluster_particle_mass);
-    description.early = std::move(early);
     body.shapes.configure(description, body.particles);
     body.reset();
     return body;

@@ -11,14 +11,11 @@
 
 namespace eti::test {
 
-/// A lattice of tetrahedra with the density of water, advanced as SoftBody advances its particles.
+/// A lattice of tetrahedra with the density of water, at rest.
 struct TetrahedralBody {
     TetrahedralLattice lattice;
     pbd::Particles particles;
     pbd::Tetrahedra tetrahedra;
-    std::vector<Vec3f> force;  ///< [N], per particle
-    Vec3f gravity = Vec3f::Zero();
-    float damping = 0.0f;  ///< [1/s], of velocity
 
     TetrahedralBody(TetrahedralLattice shape, float youngs_modulus, float poisson_ratio)
         : lattice(std::move(shape)) {
@@ -29,7 +26,6 @@ struct TetrahedralBody {
             }
         }
         particles.resize(mass.size());
-        force.assign(mass.size(), Vec3f::Zero());
         for (std::size_t i = 0; i < mass.size(); ++i) {
             particles.rest[i] = lattice.position[i].cast<float>();
             particles.inverse_mass[i] = static_cast<float>(1.0 / mass[i]);
@@ -37,22 +33,6 @@ struct TetrahedralBody {
         particles.position = particles.predicted = particles.rest;
         const std::vector<float> modulus(lattice.tetrahedra.size(), youngs_modulus);
         tetrahedra.configure({lattice.tetrahedra, modulus, poisson_ratio}, particles);
-    }
-
-    void substep(float dt) {
-        pbd::Particles& p = particles;
-        for (std::size_t i = 0; i < p.size(); ++i) {
-            if (p.inverse_mass[i] > 0.0f) {
-                p.velocity[i] += dt * (p.inverse_mass[i] * force[i] + gravity);
-            }
-            p.predicted[i] = p.position[i] + dt * p.velocity[i];
-        }
-        tetrahedra.project(p, dt);
-        const float keep = std::exp(-damping * dt) / dt;
-        for (std::size_t i = 0; i < p.size(); ++i) {
-            p.velocity[i] = keep * (p.predicted[i] - p.position[i]);
-            p.position[i] = p.predicted[i];
-        }
     }
 };
 

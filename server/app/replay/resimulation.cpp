@@ -71,7 +71,7 @@ class Resimulation {
           scenario_(scenario_of(options.resimulate, recording_.reader.info(), options.settings)),
           patient_(patient_of(scenario_)),
           inputs_(parked_inputs(scenario_, patient_)),
-          command_handler_(limits_of(scenario_, patient_), inputs_.runtime_parameters),
+          command_handler_(limits_of(scenario_), inputs_.runtime_parameters),
           comparison_(std::max<std::size_t>(recording_.scene.tube_nodes, 1),
                       [this](const std::string& series, std::size_t row) {
                           return !set_series_.contains(series) && recording_.has_row(series, row);

@@ -95,21 +95,6 @@ std::string CommandHandler::refusal_of(const RuntimeParameterField& field, float
     if (field.on_off && value != 0.0f && value != 1.0f) {
         return fmt::format("{} {:.4g}, expected 0 or 1", field.label, value);
     }
-    if (field.value == &RuntimeParameters::tongue_scale &&
-        wanted_.tissue_stiffness > limits_.max_stable_modulus_at(value)) {
-        return fmt::format(
-            "tongue scale {:.3g}: at {:.3g} kPa, {} are stable up to {:.3g}; make the tissue softer first",
-            value, 1e-3f * wanted_.tissue_stiffness, limits_.limiting_element,
-            1e-3f * limits_.max_stable_modulus_at(value));
-    }
-    if (field.value == &RuntimeParameters::tissue_stiffness &&
-        value > limits_.max_stable_modulus_at(wanted_.tongue_scale)) {
-        return fmt::format(
-            "tissue stiffness {:.3g} kPa, but {} are stable up to {:.3g} at tongue scale {:.3g}; restart "
-            "with more physics.substeps",
-            1e-3f * value, limits_.limiting_element,
-            1e-3f * limits_.max_stable_modulus_at(wanted_.tongue_scale), wanted_.tongue_scale);
-    }
     if (field.value == &RuntimeParameters::secretion && !limits_.saliva) {
         return "there is no liquid in this scenario; restart it with 'saliva: standby', which starts without "
                "saliva";

@@ -25,7 +25,6 @@ class LocalOperator {
     void apply_to(scene::Inputs& inputs) const;
     [[nodiscard]] bool finished() const { return blade_track_.finished() && tube_track_.finished(); }
     [[nodiscard]] const std::string& blade_stage() const { return blade_track_.stage_name(); }
-    [[nodiscard]] const std::string& tube_stage() const { return tube_track_.stage_name(); }
 
   private:
     TrackPlayer blade_track_, tube_track_;

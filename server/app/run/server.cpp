@@ -118,8 +118,7 @@ class Session {
         patient_ = patient_of(scenario_);
         inputs_ = parked_inputs(scenario_, patient_);
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
-        command_handler_ =
-            CommandHandler(limits_of(scenario_, patient_), inputs_.runtime_parameters, has_next_session);
+        command_handler_ = CommandHandler(limits_of(scenario_), inputs_.runtime_parameters, has_next_session);
         if (script_) {
             start_operator();
             simulation_->scene().reset(inputs_);

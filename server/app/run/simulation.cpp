@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "common/hdf5/handle.hpp"
 #include "common/model/pace.hpp"
 #include "common/model/thresholds.hpp"
@@ -33,24 +30,12 @@ std::optional<physiology::Physiology> physiology_of(const Scenario& scenario,
                                           static_cast<double>(scenario.inspired_oxygen));
 }
 
-/// Throws for substeps that are too long for a tongue of tetrahedra.
-scene::Settings scene_settings(const Scenario& scenario, const patient::Patient& patient) {
-    const int substeps = scenario.physics.substeps;
-    const PatientLimits limits = limits_of(scenario, patient);
-    if (const float wanted = patient.tissue_stiffness; wanted > limits.max_stable_modulus) {
-        throw InputError(fmt::format(
-            "scenario '{}': tissue_stiffness_kpa is {:g}, but {} are stable up to {:.3g} with {} substeps; "
-            "raise physics.substeps to {} or physics.spacing_mm, or set physics.tissue_method to implicit",
-            scenario.name, 1e-3f * wanted, limits.limiting_element, 1e-3f * limits.max_stable_modulus,
-            substeps,
-            static_cast<int>(
-                std::ceil(static_cast<float>(substeps) * std::sqrt(wanted / limits.max_stable_modulus)))));
-    }
-    return {.substeps = substeps,
+scene::Settings scene_settings(const Scenario& scenario) {
+    const PatientLimits limits = limits_of(scenario);
+    return {.substeps = scenario.physics.substeps,
             .tissue_method = scenario.physics.tissue_method,
             .head_scale = limits.head_scale,
             .tongue_scale = limits.tongue_scale,
-            .max_stable_modulus = limits.max_stable_modulus,
             .rigid = {},
             .self_contact = scenario.physics.self_contact,
             .sleep = scenario.physics.sleep,
@@ -63,21 +48,13 @@ scene::Settings scene_settings(const Scenario& scenario, const patient::Patient&
 
 }  // namespace
 
-PatientLimits limits_of(const Scenario& scenario, const patient::Patient& patient) {
+PatientLimits limits_of(const Scenario& scenario) {
     PatientLimits limits;
     limits.saliva = scenario.saliva;
     // A model file's own sizes count as 1.
     const NewbornShape built = scenario.patient.model.empty() ? scenario.patient.shape : NewbornShape();
     limits.head_scale = built.head_scale;
     limits.tongue_scale = built.tongue_scale;
-    const patient::ParticleSet& set = patient.particles;
-    const auto tongue = std::ranges::find(set.tissue, Tissue::tongue);
-    if (scenario.physics.tissue_method == TissueMethod::tetrahedra && tongue != set.tissue.end()) {
-        const float spacing = 2.0f * set.radius[static_cast<std::size_t>(tongue - set.tissue.begin())];
-        limits.limiting_element = fmt::format("tetrahedra of {:.3g} mm", 1e3f * spacing);
-        limits.max_stable_modulus = pbd::Tetrahedra::max_stable_modulus(
-            spacing, patient::tissue_density, step_duration / static_cast<float>(scenario.physics.substeps));
-    }
     return limits;
 }
 
@@ -119,7 +96,7 @@ void Assessor::observe(const scene::Snapshot& snapshot, const std::optional<Vec3
 
 Simulation::Simulation(const Scenario& scenario, const patient::Patient& patient, const scene::Inputs& start)
     : scope_(make_laryngoscope(scenario.blade)),
-      scene_(patient, scope_, scenario.tube, start, scene_settings(scenario, patient)),
+      scene_(patient, scope_, scenario.tube, start, scene_settings(scenario)),
       assessor_(patient, scope_, scenario),
       tube_depth_rule_(static_cast<float>(tube_depth_by_weight(static_cast<double>(patient.weight)))) {}
 

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
-#include <string>
 
 #include "common/operator/operator.hpp"
 #include "common/scenario/scenario.hpp"
@@ -25,19 +23,10 @@ namespace eti::app {
 struct PatientLimits {
     float head_scale = 1.0f;    ///< with which the model was built
     float tongue_scale = 1.0f;  ///< with which the model was built
-    /// [Pa], largest modulus for which the solver is stable in the tongue as built.
-    float max_stable_modulus = std::numeric_limits<float>::infinity();
-    std::string limiting_element;  ///< name of what limits it
     bool saliva = false;
-
-    /// The same [Pa] for a tongue of this size. Its tetrahedra grow but keep their mass, so the limit
-    /// decreases.
-    [[nodiscard]] float max_stable_modulus_at(float scale) const {
-        return max_stable_modulus * tongue_scale / scale;
-    }
 };
 
-[[nodiscard]] PatientLimits limits_of(const Scenario& scenario, const patient::Patient& patient);
+[[nodiscard]] PatientLimits limits_of(const Scenario& scenario);
 
 /// Evaluates the view and computes metrics from a session's snapshots, in order.
 class Assessor {
@@ -68,7 +57,7 @@ class Assessor {
 /// Simulation and assessment of one scenario: the scene and its metrics. Without clock, bus or record.
 class Simulation {
   public:
-    /// `patient` must outlive it. Throws InputError if the solver's settings are unstable for its tissue.
+    /// `patient` must outlive it.
     Simulation(const Scenario& scenario, const patient::Patient& patient, const scene::Inputs& start);
 
     /// Advances by one step and assesses it from `eye`; see Assessor.

@@ -220,16 +220,17 @@ class Fluid {
     Vec3f gravity_ = Vec3f::Zero();  ///< [m/s^2], gravity when sleeping particles fell asleep
     std::vector<Source> sources_;
 
-    std::vector<Vec3f> position_;
-    std::vector<Vec3f> predicted_;
-    std::vector<Vec3f> velocity_;
+    // [particles], sorted by cell.
+    std::vector<Vec3f> position_;   ///< [m]
+    std::vector<Vec3f> predicted_;  ///< [m]
+    std::vector<Vec3f> velocity_;   ///< [m/s]
     std::vector<std::uint32_t> id_;
     std::vector<Rest> rest_;
     std::vector<float> multiplier_;  ///< [m^2], pressure times dt^2 over rest density
     std::vector<float> compression_;
     std::uint32_t next_id_ = 0;
 
-    // Per particle, in this substep; the fourth component is zero unless stated.
+    // [particles], in this substep; the fourth component is zero unless stated.
     std::vector<Vec4f> local_;  ///< [m], prediction relative to the centre of all, for precision; then 1
     std::array<std::vector<float>, 3> axis_;  ///< [m], the same by axis, padded to whole loads
     std::vector<Vec4f> rate_;                 ///< [m/s], velocity, padded to whole loads
@@ -238,15 +239,15 @@ class Fluid {
     std::vector<Vec4f> push_;          ///< [m^3, m^2], multiplier times local_
     std::vector<Vec4f> own_gradient_;  ///< [1/m], gradient of the compression by the particle's own position
     std::vector<float> diagonal_;      ///< [1/m^2], derivative of the compression by its own multiplier
-    std::vector<Wall> wall_;           ///< max_walls per particle
-    std::vector<std::uint64_t> capsules_near_;  ///< per capsule_group, one bit per capsule
+    std::vector<Wall> wall_;           ///< [particles][max_walls]
+    std::vector<std::uint64_t> capsules_near_;  ///< [particles / capsule_group], one bit per capsule
     std::vector<std::uint32_t> awake_;          ///< awake particles, ascending
     std::vector<std::uint8_t> stirred_;         ///< whether it or a neighbour is not quiet
-    // Per pair; capacity max_neighbours per particle.
+    // [pairs]; capacity max_neighbours per particle.
     std::vector<float> slope_;  ///< [1/m^2], V W'(r) / r: times the offset, it gives V times the gradient
     std::vector<std::uint32_t> neighbour_;   ///< times four: offset into arrays of four numbers per particle
-    std::vector<std::uint32_t> first_pair_;  ///< first pair of each particle,
-    std::vector<std::uint32_t> neighbours_;  ///< and number of pairs, padded to groups of eight
+    std::vector<std::uint32_t> first_pair_;  ///< [particles]: first pair,
+    std::vector<std::uint32_t> neighbours_;  ///< [particles]: and number of pairs, padded to groups of eight
     // Scratch for sorting.
     std::vector<Vec3f> vector_scratch_;
     std::vector<float> float_scratch_;

@@ -164,12 +164,6 @@ void Rod::nodes(std::span<Vec3f> out) const {
     out.back() = tip();
 }
 
-float Rod::inverse_mass(std::size_t segment, float along, const Vec3f& offset, const Vec3f& direction) const {
-    const RodSegment& s = segments_[segment];
-    const Vec3d lever = arm(segment, along, offset).cross(direction.cast<double>());
-    return static_cast<float>(s.inverse_mass + s.inverse_inertia * lever.squaredNorm());
-}
-
 GripWrench Rod::grip_wrench() const {
     if (hold_) {
         const Held held = held_by_hold();

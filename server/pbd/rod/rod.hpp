@@ -54,9 +54,8 @@ struct GripWrench {
 /// than the substep. Double precision throughout.
 ///
 /// A substep is: predict(), then passes of solve() with the contacts found before each, then finish(). With
-/// contacts two passes are needed: the first finds which contacts are active, the second their forces. push()
-/// and displace() are for obstacles that must be resolved one at a time; the next solve() restores the
-/// joints. No allocation after construction.
+/// contacts two passes are needed: the first finds which contacts are active, the second their forces. No
+/// allocation after construction.
 class Rod {
   public:
     Rod(const Tube& tube, const RodSettings& settings, const RigidTransform& grip);
@@ -107,19 +106,6 @@ class Rod {
     void nodes(std::span<Vec3f> out) const;
     [[nodiscard]] Vec3f tip() const { return point(size() - 1, 1.0f); }
 
-    /// Inverse mass [1/kg] of a free segment, without its neighbours, at a point offset from its centre line
-    /// by `offset` [m], along the unit `direction` (Mueller et al. 2020, eq. 2). 0 for the held one.
-    [[nodiscard]] float inverse_mass(std::size_t segment, float along, const Vec3f& offset,
-                                     const Vec3f& direction) const;
-
-    /// Applies the positional impulse `impulse` [kg m] to a point of a segment (Mueller et al. 2020, eq.
-    /// 6-9). The segment moves at once, as if free; the next solve() propagates the impulse along the chain.
-    void push(std::size_t segment, float along, const Vec3f& offset, const Vec3f& impulse);
-
-    /// Moves a point of a segment by `displacement` [m]; returns the required positional impulse [kg m].
-    /// Divided by dt^2 it is a force [N].
-    Vec3f displace(std::size_t segment, float along, const Vec3f& offset, const Vec3f& displacement);
-
     /// Wrench of the hold. Without one: from the joints' multipliers of this substep and the held segment's
     /// weight, without its inertia.
     [[nodiscard]] GripWrench grip_wrench() const;
@@ -160,15 +146,15 @@ class Rod {
     [[nodiscard]] Vec6d answer(std::size_t segment, const Vec6d& impulse) const;
     [[nodiscard]] Vec3d arm(std::size_t segment, float along, const Vec3f& offset) const;
 
-    std::vector<RodSegment> segments_;
-    std::vector<RodSegment> previous_;  ///< poses at predict()
-    std::vector<RodJoint> joints_;
-    std::vector<RodJointState> state_;
-    std::vector<Vec3d> angle_before_;  ///< [rad], joint angles at predict()
-    std::vector<Target> target_;
-    std::vector<Vec6d> multiplier_;  ///< [N s^2, N m s^2], one per joint
-    std::vector<Vec6d> motion_;      ///< [m, rad], displacement and rotation of the segments in this pass
-    std::vector<Response> response_;
+    std::vector<RodSegment> segments_;  ///< from rear to front
+    std::vector<RodSegment> previous_;  ///< [segments], poses at predict()
+    std::vector<RodJoint> joints_;      ///< [segments - 1]
+    std::vector<RodJointState> state_;  ///< [joints]
+    std::vector<Vec3d> angle_before_;   ///< [joints][rad], at predict()
+    std::vector<Target> target_;        ///< [segments]
+    std::vector<Vec6d> multiplier_;     ///< [joints][N s^2, N m s^2]
+    std::vector<Vec6d> motion_;         ///< [segments][m, rad], displacement and rotation in this pass
+    std::vector<Response> response_;    ///< [segments]
     RodChain chain_;
     std::size_t held_ = 0;
     float radius_ = 0.0f;

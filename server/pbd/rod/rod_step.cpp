@@ -53,32 +53,6 @@ void Rod::load(std::size_t segment, float along, const Vec3f& force) {
     target.rotation = (exp_rotation(turn) * target.rotation).normalized();
 }
 
-void Rod::push(std::size_t segment, float along, const Vec3f& offset, const Vec3f& impulse) {
-    RodSegment& s = segments_[segment];
-    const Vec3d p = impulse.cast<double>();
-    const Vec3d shift = s.inverse_mass * p;
-    const Quatd turn =
-        exp_rotation(limited_length(s.inverse_inertia * arm(segment, along, offset).cross(p), largest_turn));
-    s.position += shift;
-    s.rotation = (turn * s.rotation).normalized();
-    target_[segment].position += shift;
-    target_[segment].rotation = (turn * target_[segment].rotation).normalized();
-}
-
-Vec3f Rod::displace(std::size_t segment, float along, const Vec3f& offset, const Vec3f& displacement) {
-    const float size = displacement.norm();
-    if (size == 0.0f) {
-        return Vec3f::Zero();
-    }
-    const float inverse = inverse_mass(segment, along, offset, displacement / size);
-    if (inverse == 0.0f) {
-        return Vec3f::Zero();
-    }
-    const Vec3f impulse = displacement / inverse;
-    push(segment, along, offset, impulse);
-    return impulse;
-}
-
 void Rod::add_contacts(std::span<RodContact> contacts) {
     for (Response& response : response_) {
         response.touched = false;

@@ -72,21 +72,12 @@ float unit(const ClusterBody& body) {
 
 }  // namespace
 
-float measured_modulus(const ClusterBody& body, float input_modulus) {
-    const Measured m = of(body);
-    return 1.0f / (1.0f / (m.share * input_modulus) + 1.0f / (m.limit * unit(body)));
-}
-
 CalibratedModulus calibrated_modulus(const ClusterBody& body, float wanted) {
     const Measured m = of(body);
     const float limit = m.limit * unit(body);
     const bool reached = wanted <= reachable * limit;
     const float measured = reached ? wanted : reachable * limit;
     return {1.0f / (m.share * (1.0f / measured - 1.0f / limit)), measured, reached};
-}
-
-float longest_substep(const ClusterBody& body, float wanted) {
-    return body.spacing * std::sqrt(reachable * of(body).limit * body.density / wanted);
 }
 
 }  // namespace eti::pbd

@@ -33,18 +33,12 @@ struct CalibratedModulus {
     bool reached = true;         ///< false: needs more substeps or larger spacing
 };
 
-/// Young's modulus [Pa] of a body with the input modulus `input_modulus` [Pa]:
+/// Input modulus E_in [Pa] for which a body has the Young's modulus `wanted` [Pa], above 0; monotonic:
 ///     1 / E = 1 / (c E_in) + substep^2 / (w density spacing^2)
 /// The first term is the clusters' geometry. The second is what one pass transmits from cluster to cluster;
 /// it bounds E. c and w depend on load and thickness only, and were measured over four decades of E substep^2
-/// / (density spacing^2) (docs/charts/calibration.csv). The bars deviate from the law by 1 %.
-[[nodiscard]] float measured_modulus(const ClusterBody& body, float input_modulus);
-
-/// The inverse, for `wanted` [Pa] above 0; monotonic. Clamped from 90 % of the largest attainable modulus,
-/// beyond which more input stiffness has little effect.
+/// / (density spacing^2) (docs/charts/calibration.csv). The bars deviate from the law by 1 %. Clamped from 90
+/// % of the largest attainable modulus, beyond which more input stiffness has little effect.
 [[nodiscard]] CalibratedModulus calibrated_modulus(const ClusterBody& body, float wanted);
-
-/// The longest substep [s] with which a modulus is attained.
-[[nodiscard]] float longest_substep(const ClusterBody& body, float wanted);
 
 }  // namespace eti::pbd

@@ -23,10 +23,10 @@ class ClusterChain final : public Constraint {
     static constexpr std::size_t max_clusters = 6;
 
     struct Description {
-        /// Members, disjoint, ordered from one end to the other; two or more clusters.
+        /// [clusters]: members, disjoint, ordered from one end to the other; two or more clusters.
         std::vector<std::vector<std::uint32_t>> clusters;
-        std::vector<float> fitting_mass;  ///< [kg], per particle; finite even where the mass is infinite
-        std::vector<float> volume;        ///< [m^3], per particle
+        std::vector<float> fitting_mass;  ///< [particles][kg]; finite even where the mass is infinite
+        std::vector<float> volume;        ///< [particles][m^3]
         float youngs_modulus = 320e3f;    ///< [Pa]
         float poissons_ratio = 0.45f;
         Vec3f across = Vec3f::UnitX();  ///< unit vector; not changed by postures
@@ -42,7 +42,6 @@ class ClusterChain final : public Constraint {
   private:
     static constexpr int max_rows = 6 * (static_cast<int>(max_clusters) - 1);
     using Matrix6 = Eigen::Matrix<float, 6, 6>;
-    using Vector6 = Eigen::Matrix<float, 6, 1>;
     using Rows = Eigen::Matrix<float, Eigen::Dynamic, 1, 0, max_rows, 1>;
     using Square = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, 0, max_rows, max_rows>;
 
@@ -79,10 +78,10 @@ class ClusterChain final : public Constraint {
     void compute_response();
     [[nodiscard]] const Quatf& middle() const { return clusters_[clusters_.size() / 2].rotation; }
 
-    std::vector<Cluster> clusters_;
-    std::vector<Joint> joints_;
+    std::vector<Cluster> clusters_;            // [clusters]
+    std::vector<Joint> joints_;                // [clusters - 1]
     std::vector<Pair> coupled_pairs_;          // members of neighbouring clusters
-    std::vector<Vec3f> inverted_at_rotation_;  // joint rotations at the last inversion
+    std::vector<Vec3f> inverted_at_rotation_;  // [joints][rad], at the last inversion
     Vec3f across_ = Vec3f::UnitX();
     Rows residual_,
         multiplier_;  // joint gaps, and multipliers over the squared substep

@@ -137,14 +137,14 @@ class ImplicitTetrahedra {
     Tetrahedra mesh_;
     std::vector<Part> parts_;
     std::vector<Range> ranges_;
-    std::vector<Element> element_;          // as the mesh's blocks
-    std::vector<std::uint32_t> corner_of_;  // [particles]
-    std::vector<float> inverse_mass_, own_stiffness_;
-    float ratio_ = 1.0f;         // mu / lambda
-    float longest_step_ = 0.0f;  // [m]
+    std::vector<Element> element_;                     // [blocks of the mesh]
+    std::vector<std::uint32_t> corner_of_;             // [particles]: corner index, or none
+    std::vector<float> inverse_mass_, own_stiffness_;  // [corners][1/kg], [corners][N/m]
+    float ratio_ = 1.0f;                               // mu / lambda
+    float longest_step_ = 0.0f;                        // [m]
     bool avx2_ = false;
     Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, moved_, step_;
-    std::vector<Inverse> inverse_;
+    std::vector<Inverse> inverse_;  // [corners]
     CoarseLevel coarse_;
     CoarseLevel::Motion coarse_force_;
     float configured_modulus_ = 0.0f;  // [Pa], sum over tetrahedra

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "server/parallel/loops.hpp"
@@ -58,31 +59,16 @@ void ShapeMatching::configure(const Description& description, const Particles& p
         }
     }
 
-    const auto early = [&](std::uint32_t i) { return !description.early.empty() && description.early[i]; };
     movers_.clear();
     for (std::uint32_t i = 0; i < count; ++i) {
         if (inverse_count_[i] > 0.0f) {
             movers_.push_back(i);
         }
     }
-    const auto late_movers = std::ranges::stable_partition(movers_, early);
-    early_movers_ = movers_.size() - late_movers.size();
-    std::vector<bool> holds_early(blocks_of(clusters), false);
-    for (std::size_t c = 0; c < clusters; ++c) {
-        const Indices members(member_.data() + first_[c], first_[c + 1] - first_[c]);
-        if (std::ranges::any_of(members, early)) {
-            holds_early[c / lane_count] = true;
-        }
-    }
     blocks_.resize(blocks_of(clusters));
     std::iota(blocks_.begin(), blocks_.end(), 0u);
-    const auto late_blocks =
-        std::ranges::stable_partition(blocks_, [&](std::uint32_t b) -> bool { return holds_early[b]; });
-    early_blocks_ = blocks_.size() - late_blocks.size();
     awake_blocks_ = blocks_;
     awake_movers_ = movers_;
-    awake_early_blocks_ = early_blocks_;
-    awake_early_movers_ = early_movers_;
 
     const std::size_t padded = lane_count * blocks_of(clusters);
     moment_.assign(member_.size() + 1, Eigen::Vector4f::Zero());
@@ -325,20 +311,14 @@ void ShapeMatching::move_particles_avx2(Particles& particles, Indices which) con
 #endif
 
 void ShapeMatching::select(std::span<const std::uint8_t> block_asleep, const Particles& particles) {
-    const auto pick = [](const std::vector<std::uint32_t>& all, std::size_t early,
-                         std::span<const std::uint8_t> asleep, std::vector<std::uint32_t>& awake) {
+    const auto pick = [](const std::vector<std::uint32_t>& all, std::span<const std::uint8_t> asleep,
+                         std::vector<std::uint32_t>& awake) {
         awake.clear();
-        std::size_t awake_early = 0;
-        for (std::size_t k = 0; k < all.size(); ++k) {
-            if (asleep[all[k]] == 0) {
-                awake.push_back(all[k]);
-                awake_early += k < early ? 1 : 0;
-            }
-        }
-        return awake_early;
+        std::ranges::copy_if(all, std::back_inserter(awake),
+                             [&](std::uint32_t which) { return asleep[which] == 0; });
     };
-    awake_early_blocks_ = pick(blocks_, early_blocks_, block_asleep, awake_blocks_);
-    awake_early_movers_ = pick(movers_, early_movers_, particles.asleep, awake_movers_);
+    pick(blocks_, block_asleep, awake_blocks_);
+    pick(movers_, particles.asleep, awake_movers_);
 }
 
 void ShapeMatching::read(const std::vector<Vec3f>& positions, std::size_t first, std::size_t last) {
@@ -383,31 +363,15 @@ void ShapeMatching::fit(const std::vector<Vec3f>& positions) {
     fit(Indices(blocks_));
 }
 
-void ShapeMatching::project_early(Particles& particles, float dt) {
+void ShapeMatching::project(Particles& particles, float dt) {
     if (dt != share_dt_) {
         update_shares(dt);
     }
     for (const auto& [begin, end] : particles.awake) {
         read(particles.predicted, begin, end);
     }
-    fit(Indices(awake_blocks_).first(awake_early_blocks_));
-    move(particles, Indices(awake_movers_).first(awake_early_movers_));
-}
-
-void ShapeMatching::project_late(Particles& particles) {
-    fit(Indices(awake_blocks_).subspan(awake_early_blocks_));
-    move(particles, Indices(awake_movers_).subspan(awake_early_movers_));
-}
-
-bool ShapeMatching::are_early(std::span<const std::uint32_t> particles) const {
-    const Indices late = Indices(movers_).subspan(early_movers_);
-    return std::ranges::none_of(particles,
-                                [&](std::uint32_t i) { return std::ranges::binary_search(late, i); });
-}
-
-void ShapeMatching::project(Particles& particles, float dt) {
-    project_early(particles, dt);
-    project_late(particles);
+    fit(Indices(awake_blocks_));
+    move(particles, awake_movers_);
 }
 
 }  // namespace eti::pbd

@@ -21,16 +21,14 @@ namespace eti::pbd {
 class ShapeMatching {
   public:
     struct Description {
-        std::vector<std::uint32_t> first;    ///< count + 1
-        std::vector<std::uint32_t> member;   ///< particle indices
-        std::vector<float> youngs_modulus;   ///< [Pa], per cluster
-        std::vector<float> particle_volume;  ///< [m^3], per particle
-        std::vector<float> fitting_mass;     ///< [kg], per particle; finite even where the mass is infinite
+        std::vector<std::uint32_t> first;    ///< [clusters + 1]: ranges of `member`
+        std::vector<std::uint32_t> member;   ///< [memberships]: particle indices
+        std::vector<float> youngs_modulus;   ///< [clusters][Pa]
+        std::vector<float> particle_volume;  ///< [particles][m^3]
+        std::vector<float> fitting_mass;     ///< [particles][kg]; finite even where the mass is infinite
         /// If above 0, replaces the moduli: the fraction of the distance to the goal that every pass moves
         /// ("stiffness" in Müller 2005). The resulting stiffness depends on passes and substeps.
         float goal_share = 0.0f;
-        /// Per particle, whether project_early() moves it; empty: none.
-        std::vector<bool> early;
     };
 
     void configure(const Description& description, const Particles& particles);
@@ -38,25 +36,18 @@ class ShapeMatching {
     /// Adopts `particles.rest` as the new unloaded shape (after a change of posture).
     void set_rest(const Particles& particles);
 
-    /// Sets the moduli [Pa], one per cluster; shape and state are unchanged.
+    /// Sets the `moduli` [clusters][Pa]; shape and state are unchanged.
     void set_youngs_modulus(std::span<const float> moduli);
 
     /// One Jacobi pass: fits every cluster to the predicted positions and moves the free particles
     /// towards their averaged goals. Substep `dt` [s].
     void project(Particles& particles, float dt);
 
-    /// project() in two parts, so that work that needs the early particles only can run concurrently with the
-    /// second. The first part fits clusters with an early particle and moves the early particles; the second
-    /// does the rest, from the same initial positions. Bit-identical to project().
-    void project_early(Particles& particles, float dt);
-    void project_late(Particles& particles);
-    /// Whether all of these are early, so that project_late() does not touch them.
-    [[nodiscard]] bool are_early(std::span<const std::uint32_t> particles) const;
-
     /// Fits every cluster to the current positions without moving anything.
     void fit(const std::vector<Vec3f>& positions);
 
-    /// Skips sleeping blocks, whose last fit is kept, and sleeping particles, until the next call.
+    /// Skips sleeping blocks (`block_asleep` [blocks]), whose last fit is kept, and sleeping particles, until
+    /// the next call.
     void select(std::span<const std::uint8_t> block_asleep, const Particles& particles);
     static constexpr std::size_t block_size = 8;  ///< consecutive clusters that are fitted together
     [[nodiscard]] std::size_t blocks() const { return blocks_.size(); }
@@ -103,32 +94,30 @@ class ShapeMatching {
     void move(Particles& particles, Indices which) const;
     void update_shares(float dt);
 
-    std::vector<std::uint32_t> first_, member_;         // members by cluster
-    std::vector<std::uint32_t> first_of_, cluster_of_;  // clusters by particle
-    // Per membership: the rest offset from the rest centre times the weight, then the weight, which sums to
+    std::vector<std::uint32_t> first_, member_;  // [clusters + 1], [memberships]: members by cluster
+    std::vector<std::uint32_t> first_of_,
+        cluster_of_;  // [particles + 1], [memberships]: clusters by particle
+    // [memberships]: the rest offset from the rest centre times the weight, then the weight, which sums to
     // one over a cluster.
     std::vector<Eigen::Vector4f> moment_;
-    // Positions to fit, and rest positions relative to the origin with a fourth number 1; padded to whole
-    // loads.
+    // [particles][m]: positions to fit, and rest positions relative to the origin with a fourth number 1;
+    // padded to whole loads.
     std::vector<Eigen::Vector4f> wide_, wide_rest_;
     Vec3f origin_ = Vec3f::Zero();  // one of the rest positions; rest positions are relative to it for
                                     // precision
-    std::vector<Vec3f> rest_centre_, centre_;
-    // Per cluster: spring [N/m], the same for a modulus of 1 Pa, and mean mass per member [kg].
+    std::vector<Vec3f> rest_centre_, centre_;  // [clusters][m]
+    // [clusters]: spring [N/m], the same for a modulus of 1 Pa, and mean mass per member [kg].
     std::vector<float> spring_, unit_spring_, mass_;
-    // Per cluster, padded to whole blocks.
+    // [clusters], padded to whole blocks.
     std::vector<Quatf> rotation_;
-    std::vector<Eigen::Vector4f> lever_;  // rest centre from the origin, and the fraction per pass
-    std::vector<Frame> frame_;            // of the last fit
-    // Blocks of clusters and free particles: early ones first.
-    std::vector<std::uint32_t> blocks_, movers_;
-    std::size_t early_blocks_ = 0, early_movers_ = 0;
+    std::vector<Eigen::Vector4f> lever_;          // rest centre from the origin, and the fraction per pass
+    std::vector<Frame> frame_;                    // of the last fit
+    std::vector<std::uint32_t> blocks_, movers_;  // indices of all blocks, and of free particles in clusters
     std::vector<std::uint32_t> awake_blocks_, awake_movers_;  // the awake ones among these
-    std::size_t awake_early_blocks_ = 0, awake_early_movers_ = 0;
     float share_dt_ = 0.0f;
     float goal_share_ = 0.0f;
     bool avx2_ = false;
-    std::vector<float> inverse_count_;  // per particle, 1 / clusters; 0 for fixed ones
+    std::vector<float> inverse_count_;  // [particles], 1 / clusters; 0 for fixed ones
 };
 
 }  // namespace eti::pbd

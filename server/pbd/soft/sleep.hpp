@@ -99,14 +99,14 @@ class Sleep {
     [[nodiscard]] bool is_still(std::uint32_t group);
 
     Settings settings_;
-    std::vector<std::uint8_t> asleep_;               // [groups]: blocks, mesh, held by bone
-    std::vector<std::uint32_t> first_move_, moves_;  // particles moved, by group
-    std::vector<std::uint32_t> first_read_, reads_;  // particles read, by group; an index into reads_ is a
-                                                     // slot
-    std::vector<std::uint32_t> first_slot_, slots_;  // slots, by particle
-    std::vector<std::uint32_t> group_of_slot_;
-    std::vector<std::uint32_t> first_mover_, movers_;  // groups that move it, by particle
-    std::vector<std::uint16_t> awake_movers_;          // number of these that are awake
+    std::vector<std::uint8_t> asleep_;                 // [groups]: blocks, mesh, held by bone
+    std::vector<std::uint32_t> first_move_, moves_;    // [groups + 1], particles moved by each
+    std::vector<std::uint32_t> first_read_, reads_;    // [groups + 1], particles read by each; an index into
+                                                       // reads_ is a slot
+    std::vector<std::uint32_t> first_slot_, slots_;    // [particles + 1], slots of each
+    std::vector<std::uint32_t> group_of_slot_;         // [slots]
+    std::vector<std::uint32_t> first_mover_, movers_;  // [particles + 1], groups that move each
+    std::vector<std::uint16_t> awake_movers_;          // [particles], number of these that are awake
     std::vector<Vec3f> slept_at_;                      // [slots][m]
     std::vector<Eigen::AlignedBox3f> box_;             // [groups], of the particles that it moves
     std::vector<std::uint8_t> group_age_;              // [groups], steps since it woke

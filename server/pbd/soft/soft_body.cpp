@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #include "server/pbd/soft/soft_body.hpp"
 
-#include <cassert>
 #include <cmath>
 
 #include "server/parallel/loops.hpp"
@@ -94,18 +93,10 @@ void SoftBody::predict(float dt, float fraction) {
 }
 
 void SoftBody::project(float dt) {
-    // Tetrahedra run after their particles' clusters and do not touch other particles.
-    assert(shapes.are_early(tetrahedra.particles()));
     if (particles.awake.empty()) {
         return;
     }
-    shapes.project_early(particles, dt);
-    if (sleep.mesh_awake()) {
-        parallel::run_both([&] { tetrahedra.project(particles, dt); },
-                           [&] { shapes.project_late(particles); });
-    } else {
-        shapes.project_late(particles);
-    }
+    shapes.project(particles, dt);
     for_constraints([&](Constraint& constraint) { constraint.project(particles, dt); });
 }
 
@@ -125,7 +116,6 @@ void SoftBody::finish(float dt) {
 
 void SoftBody::set_rest() {
     shapes.set_rest(particles);
-    tetrahedra.set_rest(particles);
     for_constraints([&](Constraint& constraint) { constraint.set_rest(particles); });
     sleep.wake_all(particles);
 }

@@ -9,7 +9,6 @@
 #include "server/pbd/soft/links.hpp"
 #include "server/pbd/soft/shape_matching.hpp"
 #include "server/pbd/soft/sleep.hpp"
-#include "server/pbd/soft/tetrahedra.hpp"
 
 namespace eti::pbd {
 
@@ -24,8 +23,7 @@ class SoftBody {
     };
 
     Particles particles;
-    ShapeMatching shapes;  ///< the tetrahedra's particles must be its early ones
-    Tetrahedra tetrahedra;
+    ShapeMatching shapes;
     Links links;
     std::vector<AnyConstraint> constraints;  ///< projected in this order, after the links
     Sleep sleep;  ///< off until enable_sleeping(); wake_all() after any change of settings

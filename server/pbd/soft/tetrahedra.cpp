@@ -9,59 +9,15 @@
 #include <limits>
 #include <numeric>
 
-#include "server/parallel/loops.hpp"
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/soft/neo_hookean.hpp"
 
 namespace eti::pbd {
 
 namespace {
 
-// Every output has one writer and no sum crosses a range: results do not depend on the partition.
-constexpr std::size_t tetrahedra_block_grain = 32;
-constexpr std::size_t tetrahedra_particle_grain = 2048;
-constexpr std::uint32_t no_wide_index = ~0u;
+constexpr std::uint32_t unnumbered = ~0u;
 
 static_assert(lane_count == Tetrahedra::lanes);
-
-[[gnu::always_inline]] inline void project_blocks(const Tetrahedra::Block* block, std::size_t count,
-                                                  float* wide, float dt_squared, float ratio) {
-    const Lanes ratios = Lanes{} + ratio;
-    const Lanes collapsed = Lanes{} + neo_hookean_collapsed(ratio);
-    for (const Tetrahedra::Block* b = block; b != block + count; ++b) {
-        Lanes x[4][3];
-        Lanes inverse_mass[4];
-        for (int v = 0; v < 4; ++v) {
-            gather(wide, b->corner[v], x[v], inverse_mass[v]);
-        }
-        RestTetrahedron<Lanes> rest;
-        for (int k = 0; k < 6; ++k) {
-            load(b->metric[k], rest.metric[k]);
-        }
-        load(b->inverse_determinant, rest.inverse_determinant);
-        Lanes stiffness;
-        load(b->stiffness, stiffness);
-        stiffness *= dt_squared;
-        project_neo_hookean(x, inverse_mass, rest, stiffness, ratios, collapsed);
-        for (int v = 0; v < 4; ++v) {
-            scatter(wide, b->corner[v], x[v], inverse_mass[v]);
-        }
-    }
-}
-
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void project_blocks_avx2(const Tetrahedra::Block* block, std::size_t count,
-                                                 float* wide, float dt_squared, float ratio) {
-    project_blocks(block, count, wide, dt_squared, ratio);
-}
-#else
-constexpr auto project_blocks_avx2 = nullptr;
-#endif
-
-void project_blocks_baseline(const Tetrahedra::Block* block, std::size_t count, float* wide, float dt_squared,
-                             float ratio) {
-    project_blocks(block, count, wide, dt_squared, ratio);
-}
 
 using Corners = std::array<std::uint32_t, 4>;
 
@@ -142,8 +98,6 @@ void Tetrahedra::configure(const Description& description, const Particles& part
     assert(description.youngs_modulus.size() == tetrahedra.size());
     assert(description.poisson_ratio >= 0.2f && description.poisson_ratio < 0.4995f);
     poisson_ratio_ = description.poisson_ratio;
-    ratio_ = neo_hookean_ratio(poisson_ratio_);
-    avx2_ = has_avx2();
     shear_modulus_.resize(tetrahedra.size());
     volume_.assign(tetrahedra.size(), 0.0f);
     for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
@@ -151,20 +105,19 @@ void Tetrahedra::configure(const Description& description, const Particles& part
     }
 
     const std::vector<std::uint32_t> order = spatial_order(tetrahedra, particles.rest);
-    std::vector<std::uint32_t> wide_of(particles.size(), no_wide_index);
+    std::vector<std::uint32_t> corner_of(particles.size(), unnumbered);
     used_.clear();
     for (const std::uint32_t t : order) {
         for (const std::uint32_t i : tetrahedra[t]) {
             assert(i < particles.size());
-            if (wide_of[i] == no_wide_index) {
-                wide_of[i] = static_cast<std::uint32_t>(used_.size());
+            if (corner_of[i] == unnumbered) {
+                corner_of[i] = static_cast<std::uint32_t>(used_.size());
                 used_.push_back(i);
             }
         }
     }
     // Padding lanes of a colour's last block have corners of their own, which no other lane writes.
     const auto filling = static_cast<std::uint32_t>(used_.size());
-    wide_.assign(used_.size() + 4 * lanes, Eigen::Vector4f::Zero());
 
     place_.resize(tetrahedra.size());
     block_.clear();
@@ -180,7 +133,7 @@ void Tetrahedra::configure(const Description& description, const Particles& part
             }
             for (std::uint32_t v = 0; v < 4; ++v) {
                 block.corner[v][lane] =
-                    4 * (k < colour.size() ? wide_of[tetrahedra[colour[k]][v]]
+                    4 * (k < colour.size() ? corner_of[tetrahedra[colour[k]][v]]
                                            : filling + 4 * static_cast<std::uint32_t>(lane) + v);
             }
         }
@@ -190,7 +143,6 @@ void Tetrahedra::configure(const Description& description, const Particles& part
 }
 
 void Tetrahedra::set_rest(const Particles& particles) {
-    flat_ = 0;
     for (std::size_t t = 0; t < place_.size(); ++t) {
         set_rest_of(t, particles);
     }
@@ -208,7 +160,6 @@ void Tetrahedra::set_rest_of(std::size_t t, const Particles& particles) {
     const double size = edges.colwise().norm().maxCoeff();
     // A height of a millionth of the edge is the rounding error of coordinates ten edges from the origin.
     const bool flat = !(std::fabs(determinant) > 1e-6 * size * size * size);
-    flat_ += flat ? 1 : 0;
     const Eigen::Matrix3d inverse =
         flat ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : Eigen::Matrix3d(edges.inverse());
     const Eigen::Matrix3d metric = inverse * inverse.transpose();
@@ -228,32 +179,6 @@ void Tetrahedra::set_youngs_modulus(std::span<const float> moduli) {
         shear_modulus_[t] = shear_modulus(moduli[t], poisson_ratio_);
         block_[place_[t] / lanes].stiffness[place_[t] % lanes] = shear_modulus_[t] * volume_[t];
     }
-}
-
-void Tetrahedra::project(Particles& particles, float dt) {
-    if (size() == 0) {
-        return;
-    }
-    parallel::for_ranges(used_.size(), tetrahedra_particle_grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k != end; ++k) {
-            const Vec3f& x = particles.predicted[used_[k]];
-            wide_[k] = Eigen::Vector4f(x.x(), x.y(), x.z(), particles.inverse_mass[used_[k]]);
-        }
-    });
-    const auto kernel = avx2_ ? project_blocks_avx2 : project_blocks_baseline;
-    float* wide = wide_.front().data();
-    for (std::size_t colour = 0; colour < colours(); ++colour) {
-        const Block* first = block_.data() + first_block_[colour];
-        parallel::for_ranges(first_block_[colour + 1] - first_block_[colour], tetrahedra_block_grain,
-                             [&](std::size_t begin, std::size_t end) {
-                                 kernel(first + begin, end - begin, wide, dt * dt, ratio_);
-                             });
-    }
-    parallel::for_ranges(used_.size(), tetrahedra_particle_grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k != end; ++k) {
-            particles.predicted[used_[k]] = wide_[k].head<3>();
-        }
-    });
 }
 
 }  // namespace eti::pbd

@@ -10,7 +10,7 @@
 #include "server/pbd/soft/cluster_calibration.hpp"
 #include "server/pbd/soft/implicit_tetrahedra.hpp"
 #include "server/pbd/soft/shape_matching.hpp"
-#include "server/pbd/soft/tetrahedra.hpp"
+#include "tests/bench/server/accuracy/xpbd_tetrahedra.hpp"
 #include "tests/support/lattice_clusters.hpp"
 #include "tests/support/mass_springs.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
@@ -136,7 +136,7 @@ class BlockBody {
     std::vector<double> mass_, volume_;
     std::vector<Held> held_;
     pbd::ShapeMatching shapes_;
-    pbd::Tetrahedra tetrahedra_;
+    XpbdTetrahedra tetrahedra_;
     pbd::ImplicitTetrahedra implicit_;
     test::MassSprings springs_;
 };

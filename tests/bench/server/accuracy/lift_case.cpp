@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <optional>
 
 #include "server/app/run/simulation.hpp"
 #include "server/pbd/soft/implicit_tetrahedra.hpp"
@@ -14,9 +13,6 @@
 namespace eti::bench {
 
 namespace {
-
-/// Run that provides the surroundings of a tongue by XPBD, or of clusters.
-constexpr int finest = 32;  // substeps
 
 struct LiftSetup {
     Scenario scenario;
@@ -37,9 +33,7 @@ struct LiftSetup {
         patient = app::patient_of(scenario);
         way = lift_of(scenario, patient);
     }
-    [[nodiscard]] Surroundings surroundings(TissueMethod model, int substeps) const {
-        return surroundings_of(scenario, patient, way, model, substeps);
-    }
+    [[nodiscard]] Surroundings surroundings() const { return surroundings_of(scenario, patient, way); }
     [[nodiscard]] LiftReference reference(const Surroundings& surroundings, const LiftSettings& with) const {
         LiftReference out(scenario, patient, surroundings, with);
         spdlog::info("lift: finite elements {:.3f} N, view {:.1f} %; {} steps, {} iterations",
@@ -55,43 +49,30 @@ void lift_tongue(AccuracyTable& table, bool quick) {
         return;
     }
     const LiftSetup setup(quick);
-    // The tongue's supports differ from model to model and are not under test.
-    std::optional<Surroundings> of_xpbd;
-    std::optional<LiftReference> about_xpbd;
-    if (!quick) {  // reveals the difference of all runs from a single reference
-        of_xpbd = setup.surroundings(TissueMethod::tetrahedra, finest);
-        about_xpbd.emplace(setup.reference(*of_xpbd, setup.choice));
-    }
-    const Surroundings of_implicit =
-        setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
-    const LiftReference about_implicit = setup.reference(of_implicit, setup.choice);
+    const Surroundings surroundings = setup.surroundings();
+    const LiftReference reference = setup.reference(surroundings, setup.choice);
     Scenario scenario = setup.scenario;
     struct Row {
-        TissueMethod model;
+        TissueMethod tissue;
         Method method;
         int substeps, iterations;
     };
     std::vector<Row> rows;
-    const auto add_rows = [&](TissueMethod model, Method method, int iterations,
+    const auto add_rows = [&](TissueMethod tissue, Method method, int iterations,
                               const std::vector<int>& counts) {
         for (const int substeps : counts) {
-            rows.push_back({model, method, substeps, iterations});
+            rows.push_back({tissue, method, substeps, iterations});
         }
     };
     const std::vector<int> shipped = {8};
     add_rows(TissueMethod::clusters, Method::clusters_for_tongue, 1,
              quick ? shipped : std::vector{8, 16, 24});
-    // With fewer than five, the scene rejects the term patient's tetrahedra.
-    add_rows(TissueMethod::tetrahedra, Method::tetrahedra, 1,
-             quick ? shipped : std::vector{5, 6, 8, 12, 16, 24, 32});
     // Substeps of the surroundings.
     add_rows(TissueMethod::implicit, Method::tetrahedra_implicit,
              pbd::ImplicitTetrahedra::Settings{}.iterations, quick ? shipped : std::vector{4, 8, 16});
     for (const Row& row : rows) {
-        scenario.physics.tissue_method = row.model;
+        scenario.physics.tissue_method = row.tissue;
         scenario.physics.substeps = row.substeps;
-        const LiftReference& reference =
-            row.model != TissueMethod::implicit && about_xpbd ? *about_xpbd : about_implicit;
         const LiftState found = simulate_lift(scenario, setup.patient, setup.way, reference.free());
         const Vec3d material = reference.material(found);
         const double expected = reference.lift.force.norm();
@@ -105,13 +86,6 @@ void lift_tongue(AccuracyTable& table, bool quick) {
             "lift: {}, {} substeps: told {:.2f} N, material {:.2f} N, view {:.1f} %, still {:.2f} mm/s",
             name_of(row.method), row.substeps, found.force.norm(), material.norm(), found.opening,
             1e3 * found.speed);
-        if (row.model == TissueMethod::implicit && about_xpbd) {
-            spdlog::info(
-                "lift: the same against finite elements in the surroundings of XPBD's tongue: force {:.1f} "
-                "%, shape {:.1f} %",
-                100.0 * (found.force - about_xpbd->lift.force).norm() / about_xpbd->lift.force.norm(),
-                100.0 * about_xpbd->apart(found));
-        }
         for (const auto& [name, error] : errors) {
             table.add({name, name_of(row.method), static_cast<double>(scenario.physics.spacing), row.substeps,
                        row.iterations, found.position.size(), error, found.frame_ms});
@@ -130,7 +104,7 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
         return;
     }
     const LiftSetup setup(quick);
-    const Surroundings usual = setup.surroundings(TissueMethod::tetrahedra, finest);
+    const Surroundings usual = setup.surroundings();
     const LiftReference reference = setup.reference(usual, setup.choice);
     const auto add = [&](std::string_view name, const LiftReference& of) {
         const double apart = (of.lift.force - reference.lift.force).norm() / reference.lift.force.norm();
@@ -141,8 +115,6 @@ void vary_lift_reference(AccuracyTable& table, bool quick) {
     LiftSettings slower = setup.choice;
     slower.drag *= 4.0;
     add("four times the drag", setup.reference(usual, slower));
-    const Surroundings other = setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
-    add("surroundings of the implicit tongue", setup.reference(other, setup.choice));
 }
 
 void lift_with_other_tremors(AccuracyTable& table, bool quick) {
@@ -158,7 +130,7 @@ void lift_with_other_tremors(AccuracyTable& table, bool quick) {
             continue;
         }
         const LiftSetup setup(quick, tremor);
-        const Surroundings own = setup.surroundings(TissueMethod::implicit, setup.scenario.physics.substeps);
+        const Surroundings own = setup.surroundings();
         const LiftReference reference = setup.reference(own, setup.choice);
         const LiftState found = simulate_lift(setup.scenario, setup.patient, setup.way, reference.free());
         const double expected = reference.lift.force.norm();

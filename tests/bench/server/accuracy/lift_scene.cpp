@@ -134,11 +134,8 @@ std::vector<scene::Inputs> lift_of(const Scenario& scenario, const patient::Pati
 }
 
 Surroundings surroundings_of(const Scenario& scenario, const patient::Patient& patient,
-                             const std::vector<scene::Inputs>& way, TissueMethod model, int substeps) {
-    Scenario finest = scenario;
-    finest.physics.tissue_method = model;
-    finest.physics.substeps = substeps;
-    app::Simulation simulation(finest, patient, way.front());
+                             const std::vector<scene::Inputs>& way) {
+    app::Simulation simulation(scenario, patient, way.front());
     scene::Scene& scene = simulation.scene();
     const pbd::Particles& p = scene.tissue().body().particles;
     Surroundings out;

@@ -43,11 +43,9 @@ struct Surroundings {
 /// The expert's laryngoscope from the start until the best view of the glottis, tube parked.
 [[nodiscard]] std::vector<scene::Inputs> lift_of(const Scenario& scenario, const patient::Patient& patient);
 
-/// The tongue's surroundings along that path, from the solver with that many substeps and that model of the
-/// tongue.
+/// The tongue's surroundings along that path, from the solver as in the scenario.
 [[nodiscard]] Surroundings surroundings_of(const Scenario& scenario, const patient::Patient& patient,
-                                           const std::vector<scene::Inputs>& way, TissueMethod model,
-                                           int substeps);
+                                           const std::vector<scene::Inputs>& way);
 
 /// The solver's result; forces and speeds are those of the particles `counted`.
 [[nodiscard]] LiftState simulate_lift(const Scenario& scenario, const patient::Patient& patient,

@@ -260,7 +260,8 @@ Pressed press_by_particles(const Tongue& tongue, double depth, Method method, in
         }
     }
     body.shapes.configure(clusters, p);
-    body.tetrahedra.configure(mesh, p);
+    XpbdTetrahedra tetrahedra;
+    tetrahedra.configure(mesh, p);
     body.links.configure({}, {}, p);
 
     Pressed out;
@@ -273,6 +274,7 @@ Pressed press_by_particles(const Tongue& tongue, double depth, Method method, in
             const pbd::MovingCapsule capsule{blade.a, blade.b, blade.a, blade.b, blade.radius};
             body.predict(dt, 1.0f);
             body.project(dt);
+            tetrahedra.project(p, dt);
             for (std::size_t i = 0; i < p.size(); ++i) {
                 if (p.inverse_mass[i] == 0.0f) {
                     continue;

@@ -131,14 +131,13 @@ std::string range_beside(std::span<const FollowedScene> those, Value value) {
     return fmt::format(",{:.4f},{:.4f}", *least, *most);
 }
 
-void compare(const std::string& name, const Scenario& shipped, TissueMethod model,
-             const SleepOptions& options, Table& table, Table& course) {
+void compare(const std::string& name, const Scenario& shipped, const SleepOptions& options, Table& table,
+             Table& course) {
     Scenario awake = shipped;
-    awake.physics.tissue_method = model;
     awake.physics.sleep = false;
     Scenario sleeping = awake;
     sleeping.physics.sleep = true;
-    const std::string_view model_name = name_of(model);
+    const std::string_view model_name = name_of(shipped.physics.tissue_method);
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     const patient::Patient patient = app::patient_of(awake);
     scene::Inputs inputs = app::parked_inputs(awake, patient);
@@ -267,15 +266,7 @@ int sleep(const SleepOptions& options) {
     Table course(options.out, "sleep-course.csv", course_header + ",awake_percent,step_ms,step_sleep_ms");
     for (const std::string& name : options.scenarios) {
         const Scenario shipped = load_scenario(find_data_file(name, "scenarios"));
-        std::vector<TissueMethod> models = {shipped.physics.tissue_method};
-        for (const TissueMethod other : {TissueMethod::tetrahedra, TissueMethod::implicit}) {
-            if (!options.quick && other != models.front()) {
-                models.push_back(other);
-            }
-        }
-        for (const TissueMethod model : models) {
-            compare(shipped.name, shipped, model, options, table, course);
-        }
+        compare(shipped.name, shipped, options, table, course);
     }
     spdlog::info("wrote {}", table.path().string());
     return 0;

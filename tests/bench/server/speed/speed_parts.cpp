@@ -9,7 +9,6 @@
 #include "server/pbd/fluid/fluid.hpp"
 #include "server/pbd/rod/rod.hpp"
 #include "server/pbd/soft/links.hpp"
-#include "server/pbd/soft/tetrahedra.hpp"
 #include "tests/bench/server/accuracy/block_body.hpp"
 #include "tests/bench/server/speed/speed_meter.hpp"
 
@@ -17,35 +16,30 @@ namespace eti::bench {
 
 namespace {
 
-void constraints(SpeedMeter& meter) {
-    {
-        // 31 x 31 x 15 particles: as many as in the shipped patient.
-        const test::TetrahedralLattice lattice = test::tetrahedral_lattice(30, 30, 14, 2e-3);
-        pbd::Particles particles = sheared_particles(lattice);
-        const pbd::ShapeMatching::Description description = test::lattice_clusters(
-            lattice, std::vector<double>(particles.size(), 3.2e-5),
-            std::vector<double>(particles.size(), 8e-9), BodySettings{}.youngs_modulus);
-        pbd::ShapeMatching shapes;
-        shapes.configure(description, particles);
-        const double memberships = static_cast<double>(description.member.size());
-        const double ns = meter.fastest([&] { shapes.project(particles, speed_substep); });
-        // Read per membership: offset and weight (16), index (4), position (16), then index (4) and frame
-        // (64).
-        constexpr double bytes = 104.0;
-        const double set = memberships * 24.0 + static_cast<double>(particles.size()) * 64.0;
-        meter.add("shape matching, per membership", ns / memberships, "ns", bytes / meter.bandwidth(set));
-    }
-    const test::TetrahedralLattice lattice = test::tetrahedral_lattice(24, 24, 15, 2e-3);
+// Read per membership: offset and weight (16), index (4), position (16), then index (4) and frame (64).
+constexpr double cluster_bytes = 104.0;
+
+struct ClusterPass {
+    double ns = 0.0, memberships = 0.0;
+};
+
+ClusterPass cluster_pass(SpeedMeter& meter, const test::TetrahedralLattice& lattice) {
     pbd::Particles particles = sheared_particles(lattice);
-    pbd::Tetrahedra tetrahedra;
-    tetrahedra.configure({lattice.tetrahedra, std::vector<float>(lattice.tetrahedra.size(), 8e3f), 0.45f},
-                         particles);
-    const double count = static_cast<double>(lattice.tetrahedra.size());
-    const double ns = meter.fastest([&] { tetrahedra.project(particles, speed_substep); });
-    // Read: corners, metric, determinant, stiffness (48) and four positions (64); written: these (64).
-    constexpr double bytes = 176.0;
-    const double set = count * 48.0 + static_cast<double>(particles.size()) * 16.0;
-    meter.add("neo-Hookean tetrahedra, per tetrahedron", ns / count, "ns", bytes / meter.bandwidth(set));
+    const pbd::ShapeMatching::Description description =
+        test::lattice_clusters(lattice, std::vector<double>(particles.size(), 3.2e-5),
+                               std::vector<double>(particles.size(), 8e-9), BodySettings{}.youngs_modulus);
+    pbd::ShapeMatching shapes;
+    shapes.configure(description, particles);
+    return {meter.fastest([&] { shapes.project(particles, speed_substep); }),
+            static_cast<double>(description.member.size())};
+}
+
+void constraints(SpeedMeter& meter) {
+    // 31 x 31 x 15 particles: as many as in the shipped patient.
+    const test::TetrahedralLattice lattice = test::tetrahedral_lattice(30, 30, 14, 2e-3);
+    const auto [ns, memberships] = cluster_pass(meter, lattice);
+    const double set = memberships * 24.0 + static_cast<double>(lattice.position.size()) * 64.0;
+    meter.add("shape matching, per membership", ns / memberships, "ns", cluster_bytes / meter.bandwidth(set));
 }
 
 /// A vessel of 14 mm width.
@@ -172,26 +166,10 @@ void measure_parts(SpeedMeter& meter) {
 void measure_scaling(SpeedMeter& meter) {
     for (const int cells : meter.quick() ? std::vector{20} : std::vector{20, 28, 36, 46, 62, 78}) {
         const test::TetrahedralLattice lattice = test::tetrahedral_lattice(cells, cells, cells, 2e-3);
-        pbd::Particles particles = sheared_particles(lattice);
-        const double count = static_cast<double>(particles.size());
-        {
-            const pbd::ShapeMatching::Description description = test::lattice_clusters(
-                lattice, std::vector<double>(particles.size(), 3.2e-5),
-                std::vector<double>(particles.size(), 8e-9), BodySettings{}.youngs_modulus);
-            pbd::ShapeMatching shapes;
-            shapes.configure(description, particles);
-            const double ns = meter.fastest([&] { shapes.project(particles, speed_substep); });
-            const double memberships = static_cast<double>(description.member.size());
-            meter.add(fmt::format("clusters of {:.0f} particles, per particle", count), ns / count, "ns",
-                      104.0 * memberships / count / meter.bandwidth(24.0 * memberships + 64.0 * count));
-        }
-        pbd::Tetrahedra tetrahedra;
-        tetrahedra.configure({lattice.tetrahedra, std::vector<float>(lattice.tetrahedra.size(), 8e3f), 0.45f},
-                             particles);
-        const double ns = meter.fastest([&] { tetrahedra.project(particles, speed_substep); });
-        const double number = static_cast<double>(lattice.tetrahedra.size());
-        meter.add(fmt::format("tetrahedra of {:.0f} particles, per particle", count), ns / count, "ns",
-                  176.0 * number / count / meter.bandwidth(48.0 * number + 16.0 * count));
+        const double count = static_cast<double>(lattice.position.size());
+        const auto [ns, memberships] = cluster_pass(meter, lattice);
+        meter.add(fmt::format("clusters of {:.0f} particles, per particle", count), ns / count, "ns",
+                  cluster_bytes * memberships / count / meter.bandwidth(24.0 * memberships + 64.0 * count));
     }
 }
 

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
-#include <BulletSoftBody/btDeformableBodySolver.h>
-#include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
-#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
-#include <BulletSoftBody/btDeformableNeoHookeanForce.h>
 #include <BulletSoftBody/btSoftBody.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 
 #include <fmt/format.h>
 
@@ -14,7 +8,6 @@
 
 #include "server/pbd/soft/links.hpp"
 #include "server/pbd/soft/soft_body.hpp"
-#include "server/pbd/soft/tetrahedra.hpp"
 #include "tests/bench/server/speed/speed_meter.hpp"
 
 // Bullet's soft bodies with the same lattice, substep and initial state as our own constraints, one pass per
@@ -79,55 +72,12 @@ void links(SpeedMeter& meter, const test::TetrahedralLattice& lattice) {
               1e-6 * their_step);
 }
 
-void tetrahedra(SpeedMeter& meter, const test::TetrahedralLattice& lattice) {
-    const double count = static_cast<double>(lattice.tetrahedra.size());
-    pbd::SoftBody ours;
-    ours.particles = sheared_particles(lattice);
-    pbd::Tetrahedra material;
-    material.configure({lattice.tetrahedra, std::vector<float>(lattice.tetrahedra.size(), 8e3f), 0.45f},
-                       ours.particles);
-
-    btSoftBodyRigidBodyCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher(&configuration);
-    btDbvtBroadphase broadphase;
-    btDeformableBodySolver solver;
-    btDeformableMultiBodyConstraintSolver constraints;
-    constraints.setDeformableSolver(&solver);
-    btDeformableMultiBodyDynamicsWorld world(&dispatcher, &broadphase, &constraints, &configuration, &solver);
-    world.setGravity(btVector3(0, 0, 0));
-    const std::unique_ptr<btSoftBody> theirs = bullet_body(world.getWorldInfo(), ours.particles);
-    for (const auto& corner : lattice.tetrahedra) {
-        theirs->appendTetra(static_cast<int>(corner[0]), static_cast<int>(corner[1]),
-                            static_cast<int>(corner[2]), static_cast<int>(corner[3]));
-    }
-    theirs->initializeDmInverse();
-    theirs->m_tetraScratches.resize(theirs->m_tetras.size());
-    theirs->m_tetraScratchesTn.resize(theirs->m_tetras.size());
-    shear(*theirs, ours.particles);
-    world.addSoftBody(theirs.get());
-    // Lame's parameters of 0.08 kPa and 0.45. Bullet integrates them explicitly and would be unstable with a
-    // hundred times as much at this substep; the cost is the same.
-    btDeformableNeoHookeanForce force(btScalar(27.6), btScalar(248.0), btScalar(0.0));
-    world.addForce(theirs.get(), &force);
-
-    const double our_step = meter.fastest([&] {
-        ours.predict(speed_substep, 1.0f);
-        material.project(ours.particles, speed_substep);
-        ours.finish(speed_substep);
-    });
-    const double their_step = meter.fastest([&] { world.stepSimulation(btScalar(speed_substep), 0); });
-    meter.add(fmt::format("body of {:.0f} tetrahedra, per tetrahedron and substep", count), our_step / count,
-              "ns", {}, their_step / count);
-    world.removeSoftBody(theirs.get());
-}
-
 }  // namespace
 
 void measure_peers(SpeedMeter& meter) {
     const test::TetrahedralLattice lattice = meter.quick() ? test::tetrahedral_lattice(8, 8, 8, 2e-3)
                                                            : test::tetrahedral_lattice(24, 24, 15, 2e-3);
     links(meter, lattice);
-    tetrahedra(meter, lattice);
 }
 
 }  // namespace eti::bench

@@ -52,7 +52,6 @@ std::vector<Variant> variants(const Scenario& scenario, bool quick) {
     for (const float mm : {0.8f, 1.25f}) {
         with(fmt::format("fine spacing {} mm", mm), [&](Physics& p) { p.fine_spacing = 1e-3f * mm; });
     }
-    with("tongue by XPBD", [](Physics& p) { p.tissue_method = TissueMethod::tetrahedra; });
     with("tongue of clusters", [](Physics& p) { p.tissue_method = TissueMethod::clusters; });
     with("self-contact", [](Physics& p) { p.self_contact = true; });
     list.push_back({scenario.saliva ? "no saliva" : "saliva", shipped, !scenario.saliva});

@@ -198,6 +198,12 @@ TEST(Scenario, UnreadableOneIsShownWithDefaults) {
     }
 }
 
+TEST(Scenario, XpbdTongueIsReadAsImplicit) {
+    EXPECT_EQ(read("physics: {tissue_method: tetrahedra}").physics.tissue_method, TissueMethod::implicit);
+    EXPECT_EQ(read("physics: {tissue_method: clusters}").physics.tissue_method, TissueMethod::clusters);
+    EXPECT_TRUE(refused("physics: {tissue_method: cubes}", {"tissue_method", "clusters, implicit"}));
+}
+
 TEST(Scenario, ControlSequencesInNamesAreRefused) {
     for (const char* const key : {"name", "description"}) {
         for (const char* const text : {"\"\\e[31mred\"", "\"bell \\a\"", "\"a\\rb\"", "\"\\x9b31m\""}) {

@@ -8,7 +8,6 @@
 #include "common/math/random.hpp"
 #include "tests/support/cluster_block.hpp"
 #include "tests/support/rod_fixture.hpp"
-#include "tests/support/tetrahedral_body.hpp"
 #include "tests/support/threads.hpp"
 #include "tests/unit/server/pbd/fluid/fluid_fixture.hpp"
 
@@ -81,36 +80,6 @@ TEST(Restore, ClustersAndLinks) {
     body.links.configure(ends, std::vector<float>(ends.size(), 30.0f), body.particles);
     throw_about(body.particles);
     expect_same_for_all_threads(body);
-}
-
-TEST(Restore, TetrahedraCoupledToClusters) {
-    const eti::test::TetrahedralLattice lattice =
-        eti::test::tetrahedral_lattice(10, 10, 5, double{eti::test::cluster_spacing});
-    std::vector<bool> early(11 * 11 * 11, false);
-    std::fill_n(early.begin(), lattice.position.size(), true);
-    SoftBody body = eti::test::cluster_block(11, 8e3f, Vec3f::Zero(), 0, early);
-    body.tetrahedra.configure(
-        {lattice.tetrahedra, std::vector<float>(lattice.tetrahedra.size(), 8e3f), 0.45f}, body.particles);
-    throw_about(body.particles);
-    expect_same_for_all_threads(body);
-}
-
-TEST(Restore, TetrahedraForAnyInstructionSet) {
-    for (const bool avx2 : {true, false}) {
-        eti::test::TetrahedralBody body(eti::test::tetrahedral_lattice(12, 10, 8, 2e-3), 8e3f, 0.45f);
-        if (!avx2) {
-            body.tetrahedra.use_avx2(false);
-        }
-        throw_about(body.particles);
-        expect_same_for_all_threads(
-            body,
-            [](eti::test::TetrahedralBody& b, int count) {
-                for (int n = 0; n < count; ++n) {
-                    b.substep(restore_dt);
-                }
-            },
-            [](const eti::test::TetrahedralBody& b) { return bits(b.particles); });
-    }
 }
 
 TEST(Restore, Rod) {

@@ -402,9 +402,6 @@ TEST(RigidLayer, MovingShellCarriesTheProxy) {
     }
     EXPECT_NEAR(layer.result().pose.translation.y(), 0.02f + blade_radius, settings.penetration_tolerance);
     EXPECT_NEAR(layer.result().force.y(), settings.stiffness * 0.02f, 0.01f * settings.stiffness * 0.02f);
-    const auto hit = layer.ray({0.01f, 0.1f, 0.02f}, {0.01f, -0.1f, 0.02f});
-    ASSERT_TRUE(hit.has_value());
-    EXPECT_NEAR(hit->position.y(), 0.02f, 1e-6f);
 }
 
 TEST(RigidLayer, ProxyInsideTheShellComesFree) {
@@ -423,29 +420,6 @@ TEST(RigidLayer, ProxyInsideTheShellComesFree) {
     }
     EXPECT_NEAR(layer.result().pose.translation.y(), blade_radius, 0.05f * millimetre)
         << "and is held from outside";
-}
-
-TEST(RigidLayer, RayHitsMatchBoxGeometry) {
-    const TriangleMesh shell = box_mesh({-0.05f, -0.04f, -0.03f}, {0.05f, 0.04f, 0.03f}, 9);
-    std::vector<Tissue> tissue = tissue_of(shell);
-    for (std::size_t i = 0; i < shell.triangles.size(); ++i) {
-        const bool top = shell.vertices[shell.triangles[i][0]].y() > 0.0399f &&
-                         shell.vertices[shell.triangles[i][1]].y() > 0.0399f &&
-                         shell.vertices[shell.triangles[i][2]].y() > 0.0399f;
-        tissue[i] = top ? Tissue::palate : Tissue::spine;
-    }
-    const RigidLayer layer(rod_scope(), shell, tissue);
-    const Vec3f from(0.013f, 0.2f, 0.007f);
-    const Vec3f to(0.001f, -0.2f, -0.011f);
-    const auto hit = layer.ray(from, to);
-    ASSERT_TRUE(hit.has_value());
-    const float share = (0.2f - 0.04f) / 0.4f;
-    EXPECT_LT((hit->position - (from + share * (to - from))).norm(), 1e-6f);
-    EXPECT_NEAR(hit->distance, share * (to - from).norm(), 1e-6f);
-    EXPECT_GT(hit->normal.y(), 0.9999f);
-    EXPECT_EQ(hit->tissue, Tissue::palate);
-    EXPECT_FALSE(layer.ray({0.06f, 0.2f, 0}, {0.06f, -0.2f, 0}).has_value());
-    EXPECT_FALSE(layer.ray({0, 0.2f, 0}, {0, 0.05f, 0}).has_value());
 }
 
 TEST(RigidLayer, RefusesMalformedInput) {

@@ -527,20 +527,6 @@ TEST_F(SceneTest, HeadGrowthDoesNotAffectSimulation) {
     EXPECT_FLOAT_EQ(reset.snapshot().runtime_parameters.head_scale, 1.08f);
 }
 
-TEST_F(SceneTest, GrowthIsLimitedByStability) {
-    Scene scene = make({.max_stable_modulus = 10e3f, .rigid = {}});
-    Inputs both = away_;
-    both.runtime_parameters.tongue_scale = 1.4f;
-    both.runtime_parameters.tissue_stiffness = 10e3f;
-    for (int k = 0; k < 8 * steps_per_second; ++k) {
-        scene.step(both);
-        ASSERT_LE(scene.snapshot().runtime_parameters.tissue_stiffness *
-                      scene.snapshot().runtime_parameters.tongue_scale,
-                  10.01e3f)
-            << k;
-    }
-}
-
 TEST_F(SceneTest, TongueGrowthHasSameBitsForAnyThreads) {
     const auto run = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {

@@ -199,8 +199,7 @@ TEST_P(SceneSleepTest, SameBitsForAnyNumberOfThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, SceneSleepTest,
-                         ::testing::Values(TissueMethod::clusters, TissueMethod::tetrahedra,
-                                           TissueMethod::implicit));
+                         ::testing::Values(TissueMethod::clusters, TissueMethod::implicit));
 
 }  // namespace
 }  // namespace eti::scene

@@ -142,10 +142,8 @@ TEST(RodContact, MovesNoFurtherThanClearance) {
     settings.connector_mass = 0.0f;
     pbd::Rod rod(tube, settings, {});
     const std::vector<float> room(rod.size(), 1e-3f);
-    rod.predict(rod_contact_dt, Vec3f::Zero(), {});
-    for (std::size_t i = 0; i < rod.size(); ++i) {
-        rod.displace(i, 0.5f, Vec3f::Zero(), Vec3f(0.0f, 5.0f * rod_contact_dt, 0.0f));
-    }
+    rod.predict(rod_contact_dt, Vec3f(0.0f, 5.0f / rod_contact_dt, 0.0f), {});
+    rod.solve();
     rod.finish();
     for (int substep = 0; substep < 5; ++substep) {
         const Vec3f before = rod.tip();
@@ -207,8 +205,7 @@ TEST(RodContact, FrictionOnlyDissipatesEnergy) {
     rod.predict(rod_contact_dt, gravity, {});
     for (std::uint32_t s = 0; s < rod.size(); ++s) {
         const float mass = 1.0f / static_cast<float>(rod.segments()[s].inverse_mass);
-        rod.push(s, 0.5f, Vec3f::Zero(),
-                 Vec3f(0.3f * rod_contact_dt * mass, 0.0f, 0.0f));  // 0.3 m/s sideways
+        rod.load(s, 0.5f, Vec3f(0.3f * mass / rod_contact_dt, 0.0f, 0.0f));  // 0.3 m/s sideways
     }
     rod.solve();
     rod.finish();

@@ -125,7 +125,6 @@ TEST(Compliance, BodyAccelerationActsLikeWeight) {
     const float mass = 1e-4f, stiffness = 20.0f;
     body.particles.inverse_mass = {0.0f, 1.0f / mass};
     body.links.configure({{0, 1}}, {stiffness}, body.particles);
-    body.tetrahedra.configure({}, body.particles);
     ShapeMatching::Description none;
     none.first = {0};
     none.fitting_mass = none.particle_volume = {mass, mass};

@@ -175,37 +175,6 @@ TEST(ShapeMatching, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(one, run(8));
 }
 
-TEST(ShapeMatching, EarlyAndLatePassesMatchWhole) {
-    Random random(5);
-    SoftBody whole = block(9, 8e3f);
-    std::vector<bool> early(whole.particles.size());
-    for (std::size_t i = 0; i < early.size(); ++i) {
-        early[i] = whole.particles.rest[i].z() < 6e-3f;
-        whole.particles.predicted[i] += 1e-4f * random_vector(random);
-    }
-    SoftBody parts = test::cluster_block(9, 8e3f, Vec3f::Zero(), 0, early);
-    parts.particles.predicted = whole.particles.predicted;
-    whole.shapes.project(whole.particles, 1.0f / 1440.0f);
-    parts.shapes.project_early(parts.particles, 1.0f / 1440.0f);
-    std::vector<std::uint32_t> named;
-    for (std::uint32_t i = 0; i < early.size(); ++i) {
-        if (early[i]) {
-            named.push_back(i);
-            EXPECT_EQ(parts.particles.predicted[i], whole.particles.predicted[i]);
-            // Changes that others make to an early particle meanwhile must not affect the second part.
-            parts.particles.predicted[i].setConstant(1.0f);
-        }
-    }
-    EXPECT_TRUE(parts.shapes.are_early(named));
-    EXPECT_FALSE(whole.shapes.are_early(named));
-    parts.shapes.project_late(parts.particles);
-    for (std::size_t i = 0; i < early.size(); ++i) {
-        EXPECT_EQ(parts.particles.predicted[i],
-                  early[i] ? Vec3f(Vec3f::Ones()) : whole.particles.predicted[i]);
-    }
-    EXPECT_TRUE(std::ranges::equal(parts.shapes.centre(), whole.shapes.centre()));
-}
-
 TEST(ShapeMatching, SameBitsForAnyInstructionSet) {
     const auto run = [](bool avx2) {
         SoftBody body = block(9, 8e3f);
