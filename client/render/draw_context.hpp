@@ -57,6 +57,13 @@ inline const Eigen::Vector4f no_clipping(0.0f, 0.0f, 0.0f, 1.0f);
     return (Eigen::Translation3f(pose.translation) * pose.rotation).matrix();
 }
 
+/// Clears the viewport's area of the bound framebuffer, and sets, as far as anything changes it in between,
+/// the GL state that every pass assumes and restores: this framebuffer; viewport and scissor box at the area;
+/// scissor and depth test on, less, with writes; back faces culled; all colour channels written; blending,
+/// stencil test, clip distances, point sizes, polygon offset, sRGB encoding off. A pass itself sets program,
+/// vertex array, buffers, textures and active unit, blend and stencil functions, clear colour.
+void begin_passes(const DrawContext& context);
+
 /// Sets the uniforms of every mesh vertex shader; the program must be in use.
 void place(ShaderProgram& program, const DrawContext& context, const Eigen::Matrix4f& model,
            const Eigen::Vector4f& clip_plane);

@@ -33,8 +33,17 @@ std::optional<Light> lamp_of(const view::SceneView& scene) {
     return std::nullopt;
 }
 
-// GL state on entry to every pass, which each pass restores.
-void begin(const DrawContext& context) {
+}  // namespace
+
+std::array<std::uint8_t, 3> object_colour(Tissue tissue) {
+    return {tissue_label(tissue), 0, 0};
+}
+
+std::array<std::uint8_t, 3> back_colour(Tissue tissue) {
+    return {object_colour(tissue)[0], 0, 128};
+}
+
+void begin_passes(const DrawContext& context) {
     const Viewport& area = context.viewport;
     glViewport(area.x, area.y, area.width, area.height);
     glEnable(GL_SCISSOR_TEST);
@@ -46,16 +55,6 @@ void begin(const DrawContext& context) {
     const Vec3f background = context.ids() ? Vec3f(Vec3f::Zero()) : context.view.background;
     glClearColor(background.x(), background.y(), background.z(), 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-}
-
-}  // namespace
-
-std::array<std::uint8_t, 3> object_colour(Tissue tissue) {
-    return {tissue_label(tissue), 0, 0};
-}
-
-std::array<std::uint8_t, 3> back_colour(Tissue tissue) {
-    return {object_colour(tissue)[0], 0, 128};
 }
 
 void place(ShaderProgram& program, const DrawContext& context, const Eigen::Matrix4f& model,
@@ -104,7 +103,7 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
             shadows_.draw(context, meshes_);
         }
         target.bind_scene();
-        begin(context);
+        begin_passes(context);
         if (meshes_.ready()) {
             for (const Pass pass : view.passes) {
                 run(pass, context);

@@ -2,38 +2,45 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <string>
 
 #include "client/render/image.hpp"
 
 namespace eti::test {
 
-/// The golden image `folder`/`name`.png. ETI_RENEW_GOLDEN=1 in the environment replaces it with `drawn`, to
-/// be reviewed. Throws std::runtime_error when it does not exist.
-[[nodiscard]] inline render::Image golden(const std::filesystem::path& folder, const std::string& name,
-                                          const render::Image& drawn) {
-    const std::filesystem::path file = folder / (name + ".png");
-    if (std::getenv("ETI_RENEW_GOLDEN") != nullptr) {
-        std::filesystem::create_directories(folder);
-        render::write_png(drawn, file);
+/// Share of the pixels of two pictures of one size that differ by more than 24 levels, which is more than
+/// drivers differ by within shapes.
+[[nodiscard]] inline double share_apart(const render::Image& a, const render::Image& b) {
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+        int most = 0;
+        for (std::size_t c = i; c < i + 3; ++c) {
+            most = std::max(most, std::abs(a.rgba[c] - b.rgba[c]));
+        }
+        apart += most > 24 ? 1 : 0;
     }
-    return render::read_png(file);
+    return 4.0 * static_cast<double>(apart) / static_cast<double>(a.rgba.size());
 }
 
-/// Whether two pixels differ by more than drivers do at the edges of letters and shapes: 24 levels.
-[[nodiscard]] inline bool pixels_differ(const std::uint8_t* a, const std::uint8_t* b) {
-    return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])}) > 24;
-}
-
-/// Saves an image that differs from the golden one for inspection; returns a message that says what to do.
-[[nodiscard]] inline std::string save_for_inspection(const render::Image& drawn, const std::string& name) {
-    const auto file = std::filesystem::temp_directory_path() / ("eti-golden-" + name + ".png");
-    render::write_png(drawn, file);
-    return "see " + file.string() + "; if it is as it should be, run this with ETI_RENEW_GOLDEN=1";
+/// Whether at most the share `most` of the pixels differs from the golden picture in `file`. If not, saves
+/// the picture for inspection.
+[[nodiscard]] inline ::testing::AssertionResult matches_golden(const render::Image& drawn,
+                                                               const std::filesystem::path& file,
+                                                               double most) {
+    const render::Image kept = render::read_png(file);
+    const bool same_size = kept.width == drawn.width && kept.height == drawn.height;
+    const double apart = same_size ? share_apart(drawn, kept) : 1.0;
+    if (apart <= most) {
+        return ::testing::AssertionSuccess();
+    }
+    const auto saved = std::filesystem::temp_directory_path() / file.filename();
+    render::write_png(drawn, saved);
+    return ::testing::AssertionFailure() << 100.0 * apart << " % of the pixels differ; inspect " << saved
+                                         << " and, if it is as it should be, copy it to " << file;
 }
 
 }  // namespace eti::test

@@ -4,6 +4,7 @@
 
 #include <epoxy/gl.h>
 
+#include <ranges>
 #include <utility>
 
 namespace eti::render {
@@ -33,45 +34,15 @@ class GlObject {
 };
 
 namespace kind {
-struct Buffer {
+/// Names from OpenGL's glGen and glDelete functions, which epoxy loads into these variables.
+template <PFNGLGENBUFFERSPROC& gen, PFNGLDELETEBUFFERSPROC& del>
+struct Generated {
     static GLuint create() {
         GLuint name = 0;
-        glGenBuffers(1, &name);
+        gen(1, &name);
         return name;
     }
-    static void destroy(GLuint name) { glDeleteBuffers(1, &name); }
-};
-struct VertexArray {
-    static GLuint create() {
-        GLuint name = 0;
-        glGenVertexArrays(1, &name);
-        return name;
-    }
-    static void destroy(GLuint name) { glDeleteVertexArrays(1, &name); }
-};
-struct Texture {
-    static GLuint create() {
-        GLuint name = 0;
-        glGenTextures(1, &name);
-        return name;
-    }
-    static void destroy(GLuint name) { glDeleteTextures(1, &name); }
-};
-struct Renderbuffer {
-    static GLuint create() {
-        GLuint name = 0;
-        glGenRenderbuffers(1, &name);
-        return name;
-    }
-    static void destroy(GLuint name) { glDeleteRenderbuffers(1, &name); }
-};
-struct Framebuffer {
-    static GLuint create() {
-        GLuint name = 0;
-        glGenFramebuffers(1, &name);
-        return name;
-    }
-    static void destroy(GLuint name) { glDeleteFramebuffers(1, &name); }
+    static void destroy(GLuint name) { del(1, &name); }
 };
 struct Program {
     static GLuint create() { return glCreateProgram(); }
@@ -79,16 +50,30 @@ struct Program {
 };
 }  // namespace kind
 
-using Buffer = GlObject<kind::Buffer>;
-using VertexArray = GlObject<kind::VertexArray>;
-using Texture = GlObject<kind::Texture>;
-using Renderbuffer = GlObject<kind::Renderbuffer>;
-using Framebuffer = GlObject<kind::Framebuffer>;
+using Buffer = GlObject<kind::Generated<epoxy_glGenBuffers, epoxy_glDeleteBuffers>>;
+using VertexArray = GlObject<kind::Generated<epoxy_glGenVertexArrays, epoxy_glDeleteVertexArrays>>;
+using Texture = GlObject<kind::Generated<epoxy_glGenTextures, epoxy_glDeleteTextures>>;
+using Renderbuffer = GlObject<kind::Generated<epoxy_glGenRenderbuffers, epoxy_glDeleteRenderbuffers>>;
+using Framebuffer = GlObject<kind::Generated<epoxy_glGenFramebuffers, epoxy_glDeleteFramebuffers>>;
 using Program = GlObject<kind::Program>;
 
 /// An offset in the bound buffer [bytes], as the pointer that OpenGL expects.
 inline const void* buffer_offset(std::size_t bytes) {
     return reinterpret_cast<const void*>(bytes);
+}
+
+/// Replaces a buffer's content by a contiguous range and leaves the buffer bound to `target`.
+template <std::ranges::contiguous_range Values>
+void upload(GLenum target, const Buffer& buffer, const Values& values, GLenum usage) {
+    const auto* const data = std::ranges::data(values);
+    glBindBuffer(target, buffer.name());
+    glBufferData(target, static_cast<GLsizeiptr>(std::ranges::size(values) * sizeof(*data)), data, usage);
+}
+
+/// Sets how the bound two-dimensional texture is sampled at any scale: GL_NEAREST or GL_LINEAR.
+inline void set_filter(GLint filter) {
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
 }
 
 }  // namespace eti::render

@@ -107,9 +107,7 @@ void RenderTarget::copy_to(GLuint framebuffer, const Viewport& from, const Viewp
 void allocate_hdr_target(const Texture& texture, const Framebuffer& framebuffer, int width, int height) {
     glBindTexture(GL_TEXTURE_2D, texture.name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-    }
+    set_filter(GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
 }

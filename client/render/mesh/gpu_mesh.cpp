@@ -34,21 +34,16 @@ std::uint32_t ten_bits(const Vec3f& normal) {
 void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,
                std::size_t offset) {
     glEnableVertexAttribArray(static_cast<GLuint>(which));
-    glVertexAttribPointer(static_cast<GLuint>(which), size, type, normalised, stride,
-                          reinterpret_cast<const void*>(offset));
+    glVertexAttribPointer(static_cast<GLuint>(which), size, type, normalised, stride, buffer_offset(offset));
 }
 
 GpuMesh::GpuMesh(std::span<const Triangle> triangles, std::span<const view::LitVertex> vertices,
                  std::span<const VertexColour> colours) {
     glBindVertexArray(array_.name());
-    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
-                 GL_STATIC_DRAW);
+    render::upload(GL_ARRAY_BUFFER, vertices_, vertices, GL_STATIC_DRAW);
     attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, 24, 0);
     attribute(Attribute::normal, 3, GL_FLOAT, GL_FALSE, 24, 12);
-    glBindBuffer(GL_ARRAY_BUFFER, colours_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(colours.size_bytes()), colours.data(),
-                 GL_STATIC_DRAW);
+    render::upload(GL_ARRAY_BUFFER, colours_, colours, GL_STATIC_DRAW);
     attribute(Attribute::colour, 4, GL_UNSIGNED_BYTE, GL_TRUE, 4, 0);
     set_indices(triangles);
 }
@@ -64,9 +59,7 @@ GpuMesh::GpuMesh(std::span<const Triangle> triangles) {
 
 void GpuMesh::set_indices(std::span<const Triangle> triangles) {
     index_count_ = static_cast<GLsizei>(3 * triangles.size());
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(triangles.size_bytes()), triangles.data(),
-                 GL_STATIC_DRAW);
+    render::upload(GL_ELEMENT_ARRAY_BUFFER, indices_, triangles, GL_STATIC_DRAW);
     glBindVertexArray(0);
 }
 
@@ -77,9 +70,7 @@ void GpuMesh::upload(std::span<const view::TubeVertex> vertices) {
         packed.push_back({vertex.position, ten_bits(vertex.normal), Eigen::half(vertex.from_tip),
                           Eigen::half(vertex.around)});
     }
-    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(packed.size() * sizeof(PackedTubeVertex)),
-                 packed.data(), GL_STREAM_DRAW);
+    render::upload(GL_ARRAY_BUFFER, vertices_, packed, GL_STREAM_DRAW);
 }
 
 void GpuMesh::draw() const {

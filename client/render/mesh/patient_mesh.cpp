@@ -37,12 +37,6 @@ std::vector<Row> rows_of(std::span<const FrameMap> frames) {
     return rows;
 }
 
-template <class Value>
-void upload(GLenum target, const Buffer& buffer, const std::vector<Value>& values, GLenum usage) {
-    glBindBuffer(target, buffer.name());
-    glBufferData(target, static_cast<GLsizeiptr>(values.size() * sizeof(Value)), values.data(), usage);
-}
-
 bool same_pose(const std::optional<RigidTransform>& a, const std::optional<RigidTransform>& b) {
     return a.has_value() == b.has_value() &&
            (!a || (a->translation == b->translation && a->rotation.coeffs() == b->rotation.coeffs()));

@@ -180,8 +180,7 @@ void AnnotationPass::draw(const DrawContext& context) {
 }
 
 void AnnotationPass::draw_vertices(const Eigen::Vector4f& colour, GLint& layer) {
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(Eigen::Vector4f)),
-                 vertices_.data(), GL_STREAM_DRAW);
+    upload(GL_ARRAY_BUFFER, buffer_, vertices_, GL_STREAM_DRAW);
     for (const auto& [depths, opacity] : {std::pair{GL_GEQUAL, hidden}, std::pair{GL_LESS, 1.0f}}) {
         glDepthFunc(static_cast<GLenum>(depths));
         glStencilFunc(GL_NOTEQUAL, ++layer, 0xff);

@@ -11,7 +11,8 @@
 namespace eti::render {
 
 /// Marks of instructors and observers: rings and lines of constant width in pixels. Occluded parts are
-/// drawn faintly.
+/// drawn faintly. GL state: begin_passes(); reads the scene's depth, and leaves values in the stencil buffer,
+/// which it clears first.
 class AnnotationPass {
   public:
     AnnotationPass();

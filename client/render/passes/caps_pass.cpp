@@ -87,9 +87,7 @@ void CapsPass::make_grain() {
     glBindTexture(GL_TEXTURE_2D, grain_.name());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, texels, texels, 0, GL_RED, GL_UNSIGNED_BYTE, noise.data());
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-    }
+    set_filter(GL_LINEAR);
     glBindTexture(GL_TEXTURE_2D, 0);
 }
 

@@ -8,7 +8,9 @@
 namespace eti::render {
 
 /// The faces of a section: the interior of each organ's contour in the plane, filled. The contour is
-/// computed on the GPU from the triangles that the plane may intersect; nothing is uploaded for it.
+/// computed on the GPU from the triangles that the plane may intersect; nothing is uploaded for it. GL state:
+/// begin_passes(); needs a stencil buffer of zeros and leaves zeros. Its faces replace what was drawn before,
+/// at any depth: run it before the tools, which alone lie in front of the plane.
 class CapsPass {
   public:
     CapsPass();

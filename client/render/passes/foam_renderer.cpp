@@ -43,9 +43,7 @@ void FoamRenderer::upload(std::span<const view::Bubble> bubbles) {
         packed.push_back(
             {Eigen::half(p.x()), Eigen::half(p.y()), Eigen::half(p.z()), Eigen::half(bubble.radius_now())});
     }
-    glBindBuffer(GL_ARRAY_BUFFER, bubbles_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(packed.size() * sizeof(Packed)), packed.data(),
-                 GL_STREAM_DRAW);
+    render::upload(GL_ARRAY_BUFFER, bubbles_, packed, GL_STREAM_DRAW);
 }
 
 void FoamRenderer::draw(const DrawContext& context, const ShadowPass& shadows, float lift,

@@ -32,9 +32,7 @@ void GlottisPass::draw(const DrawContext& context) {
     fan.insert(fan.end(), contour.begin(), contour.end());
     fan.push_back(contour.front());
     glBindVertexArray(array_.name());
-    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(fan.size() * sizeof(Vec3f)), fan.data(),
-                 GL_STREAM_DRAW);
+    upload(GL_ARRAY_BUFFER, vertices_, fan, GL_STREAM_DRAW);
     attribute(Attribute::position, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), 0);
     program_.use();
     program_.set("view_projection", context.view_projection);

@@ -9,7 +9,8 @@
 namespace eti::render {
 
 /// The glottic opening as a tinted pane, if the session requests it. It is occluded like any surface: its
-/// visible fraction is the one that POGO measures.
+/// visible fraction is the one that POGO measures. GL state: begin_passes(); reads the depth of opaque passes
+/// and writes none.
 class GlottisPass {
   public:
     GlottisPass();

@@ -28,10 +28,8 @@ constexpr float smoothing_widths[] = {0.45f, 0.18f};
 void make_texture(const Texture& texture, GLenum format, int width, int height) {
     glBindTexture(GL_TEXTURE_2D, texture.name());
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0, GL_RED, GL_FLOAT, nullptr);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-        // Depths are not interpolated: between two surfaces there is none.
-        glTexParameteri(GL_TEXTURE_2D, filter, format == GL_R32F ? GL_NEAREST : GL_LINEAR);
-    }
+    // Depths are not interpolated: between two surfaces there is none.
+    set_filter(format == GL_R32F ? GL_NEAREST : GL_LINEAR);
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
         glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
     }
@@ -143,8 +141,7 @@ LiquidSurface::LiquidSurface()
     glBindBuffer(GL_ARRAY_BUFFER, filaments_.name());
     for (GLuint end = 0; end < 2; ++end) {
         glEnableVertexAttribArray(end);
-        glVertexAttribPointer(end, 4, GL_FLOAT, GL_FALSE, sizeof(PackedFilament),
-                              reinterpret_cast<const void*>(static_cast<std::size_t>(16 * end)));
+        glVertexAttribPointer(end, 4, GL_FLOAT, GL_FALSE, sizeof(PackedFilament), buffer_offset(16 * end));
         glVertexAttribDivisor(end, 1);
     }
     glBindVertexArray(0);
@@ -162,9 +159,7 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     if (empty()) {
         return;
     }
-    glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size_bytes()), positions.data(),
-                 GL_STREAM_DRAW);
+    render::upload(GL_ARRAY_BUFFER, positions_, positions, GL_STREAM_DRAW);
     for (const Vec3f& p : particles_) {
         box_.extend(p);
     }
@@ -173,8 +168,7 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
         density_.count(positions, spacing);
         std::ranges::transform(density_.densities(), shares.begin(), share_of);
     }
-    glBindBuffer(GL_ARRAY_BUFFER, shares_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(shares.size()), shares.data(), GL_STREAM_DRAW);
+    render::upload(GL_ARRAY_BUFFER, shares_, shares, GL_STREAM_DRAW);
     std::vector<PackedFilament> filaments;
     for (const view::LiquidFilament& filament : detail.filaments().filaments()) {
         filaments.push_back({filament.from.place, filament.radius(), filament.to.place, bead_of(filament)});
@@ -183,9 +177,7 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     }
     filament_count_ = static_cast<GLsizei>(filaments.size());
     if (!filaments.empty()) {
-        glBindBuffer(GL_ARRAY_BUFFER, filaments_.name());
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(filaments.size() * sizeof(PackedFilament)),
-                     filaments.data(), GL_STREAM_DRAW);
+        render::upload(GL_ARRAY_BUFFER, filaments_, filaments, GL_STREAM_DRAW);
     }
 }
 
@@ -250,17 +242,15 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     const int part = height >= halved_from ? 2 : 1;
     const int layer_width = std::max(width / part, 1);
     const int layer_height = std::max(height / part, 1);
-    if (!layers_ || layers_->width != layer_width || layers_->height != layer_height) {
-        layers_.emplace(layer_width, layer_height);
-    }
-    const Eigen::Matrix4f projection =
-        camera.projection(static_cast<float>(width) / static_cast<float>(height));
+    const Eigen::Matrix4f projection = camera.projection(context.viewport.aspect());
     const auto [left, bottom, across, up] = pixels_of_spheres(extent_, radius_, projection * camera.view(),
                                                               projection(1, 1), layer_width, layer_height);
     if (across <= 0 || up <= 0) {
         return;
     }
-    glEnable(GL_SCISSOR_TEST);
+    if (!layers_ || layers_->width != layer_width || layers_->height != layer_height) {
+        layers_.emplace(layer_width, layer_height);
+    }
     glScissor(left, bottom, across, up);
     glDisable(GL_CULL_FACE);
     glViewport(0, 0, layer_width, layer_height);
@@ -302,7 +292,6 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     bind(GL_TEXTURE0, layers_->depth);
     draw_quad();
     glDisable(GL_BLEND);
-    glDepthMask(GL_TRUE);
     glScissor(x, y, width, height);
     foam_.draw(context, shadows, 0.9f * radius_, optics_.albedo);
     glEnable(GL_CULL_FACE);

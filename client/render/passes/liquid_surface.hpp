@@ -43,7 +43,8 @@ class LiquidSurface {
     void draw_particles() const;
 
     /// Draws over pixels of the bound framebuffer that are not in front of the liquid; call after all
-    /// opaque passes. Tissue and blade cast shadows on it; ambient light enters through the mouth.
+    /// opaque passes. Tissue and blade cast shadows on it; ambient light enters through the mouth. GL state:
+    /// begin_passes(); writes depth.
     void draw(const DrawContext& context, const ShadowPass& shadows);
 
   private:

@@ -13,7 +13,8 @@
 
 namespace eti::render {
 
-/// The patient's surfaces: skin, mucosa, cords.
+/// The patient's surfaces: skin, mucosa, cords. GL state: begin_passes(); samples the maps of the last
+/// ShadowPass::draw().
 class PatientPass {
   public:
     PatientPass();

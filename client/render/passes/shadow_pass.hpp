@@ -15,7 +15,8 @@ class ShadowPass {
   public:
     explicit ShadowPass(const Quality& quality);
 
-    /// Draws the maps that the view's row requires; leaves another framebuffer bound.
+    /// Draws the maps that the view's row requires. Runs before begin_passes(): assumes clip distances
+    /// off, and leaves another framebuffer and viewport, and culling off.
     void draw(const DrawContext& context, SceneMeshes& meshes);
 
     /// Defines for programs that sample these maps in this view. `lamplit`: whether the lamp reaches what

@@ -38,14 +38,10 @@ TessellationRenderer::TessellationRenderer() {
         grid.index_count = 3 * n * n;
     }
     glBindVertexArray(array_.name());
-    glBindBuffer(GL_ARRAY_BUFFER, places_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(places.size() * sizeof(places[0])), places.data(),
-                 GL_STATIC_DRAW);
+    upload(GL_ARRAY_BUFFER, places_, places, GL_STATIC_DRAW);
     glEnableVertexAttribArray(place_attribute);
     glVertexAttribIPointer(place_attribute, 2, GL_BYTE, sizeof(places[0]), nullptr);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(indices[0])),
-                 indices.data(), GL_STATIC_DRAW);
+    upload(GL_ELEMENT_ARRAY_BUFFER, indices_, indices, GL_STATIC_DRAW);
     glEnableVertexAttribArray(face_attribute);
     glVertexAttribDivisor(face_attribute, 1);
     glBindVertexArray(0);
@@ -95,9 +91,7 @@ void TessellationRenderer::draw(std::vector<TessellatedInstance>& faces, ShaderP
     packed_.clear();
     std::ranges::transform(faces, std::back_inserter(packed_), pack);
     glBindVertexArray(array_.name());
-    glBindBuffer(GL_ARRAY_BUFFER, faces_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(packed_.size() * sizeof(packed_[0])),
-                 packed_.data(), GL_STREAM_DRAW);
+    upload(GL_ARRAY_BUFFER, faces_, packed_, GL_STREAM_DRAW);
     for (std::size_t first = 0; first < faces.size();) {
         const int n = faces[first].grid();
         const std::uint8_t turned = faces[first].turned;

@@ -23,7 +23,7 @@ class TessellationRenderer {
     [[nodiscard]] bool takes(const PatientMesh& patient) const;
     /// Sets the uniforms of such a program, which must be in use.
     void apply(const PatientMesh& patient, ShaderProgram& program) const;
-    /// Draws and clears `faces`.
+    /// Draws and clears `faces`, in the GL state of the pass that calls it.
     void draw(std::vector<TessellatedInstance>& faces, ShaderProgram& program);
 
   private:

@@ -19,7 +19,9 @@ struct ToneMapping {
     float fogging = 0.0f;   ///< 0-1: fogged lens, densest in the centre
 };
 
-/// Tone-maps an area of the scene's light into the same pixels of the picture.
+/// Tone-maps an area of the scene's light into the same pixels of the picture. Runs after the passes: assumes
+/// scissor and stencil test off, and leaves the picture bound, the viewport at the area, and depth test,
+/// blending and culling off.
 class TonePass {
   public:
     TonePass();

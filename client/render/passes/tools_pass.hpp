@@ -9,7 +9,9 @@
 
 namespace eti::render {
 
-/// Laryngoscope and tube.
+/// Laryngoscope and tube. GL state of each function: begin_passes(); samples the maps of the last
+/// ShadowPass::draw(). Run draw() after the other opaque passes, which the tube blends with or refracts, and
+/// draw_hidden(), which reads their depth and writes none, after it.
 class ToolsPass {
   public:
     ToolsPass();

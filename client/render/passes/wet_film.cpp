@@ -32,9 +32,7 @@ WetFilm::WetFilm()
     dry_.set("marks", 0);
     glBindTexture(GL_TEXTURE_2D, marks_.name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, row * side, row * side, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-    }
+    set_filter(GL_NEAREST);
     GLint bound = 0;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
     glBindFramebuffer(GL_FRAMEBUFFER, target_.name());
@@ -52,9 +50,7 @@ void WetFilm::begin(const PatientMesh& patient) {
         glBindBuffer(GL_ARRAY_BUFFER, patient.skinned().name());
         glEnableVertexAttribArray(0);
         glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(view::LitVertex), nullptr);
-        glBindBuffer(GL_ARRAY_BUFFER, film_[i].name());
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertex_count_ * sizeof(float)), dry.data(),
-                     GL_DYNAMIC_COPY);
+        upload(GL_ARRAY_BUFFER, film_[i], dry, GL_DYNAMIC_COPY);
         glEnableVertexAttribArray(1);
         glVertexAttribPointer(1, 1, GL_FLOAT, GL_FALSE, 0, nullptr);
     }

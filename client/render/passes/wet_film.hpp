@@ -14,7 +14,8 @@ namespace eti::render {
 
 /// Film that liquid leaves on surfaces: per drawn vertex, 1 under liquid, drying over tens of seconds. Kept
 /// on the GPU: particles mark the cells of a cube around the liquid, and vertices sample them. It needs no
-/// uploads beyond the liquid itself and costs nothing without liquid.
+/// uploads beyond the liquid itself and costs nothing without liquid. GL state: runs before begin_passes();
+/// leaves the framebuffer bound, another viewport, and scissor test, depth test and blending off.
 class WetFilm {
   public:
     WetFilm();

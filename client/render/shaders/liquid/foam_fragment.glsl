@@ -7,7 +7,7 @@ flat in vec3 centre;
 flat in vec2 size;
 #include "scene/lighting.glsl"
 #include "scene/through_mouth.glsl"
-uniform mat4 projection;
+#include "liquid/camera_depth.glsl"
 uniform mat4 to_world;
 uniform vec3 tint;
 void main() {
@@ -18,7 +18,7 @@ void main() {
     }
     vec3 outward = vec3(c, sqrt(1.0 - squared));
     float z = centre.z + size.x * outward.z;
-    gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * z + projection[3][2]) / z;
+    gl_FragDepth = depth_at(z);
     vec3 n = mat3(to_world) * outward;
     vec3 v = normalize(eye - world);
     float cover = size.y * (0.30 + 0.62 * squared * squared * (1.0 - 0.5 * smoothstep(0.8, 1.0, squared)));
@@ -26,10 +26,7 @@ void main() {
     vec3 sum = tint * open * ambient(n);
     vec3 glint = vec3(0.0);
     for (int i = 0; i < LIGHTS; ++i) {
-        Arriving light = arriving(i);
-#ifndef ROOM_SHADOW
-        light.colour *= i == 0 ? open : 1.0;
-#endif
+        Arriving light = arriving_through_mouth(i, open);
         sum += tint * light.colour * (0.25 + 0.35 * max(dot(n, light.direction), 0.0));
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
         float nh8 = pow(nh, 8.0);

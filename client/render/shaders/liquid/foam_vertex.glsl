@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 // A foam bubble as a point sprite on the liquid's surface, which lies above the particles. Defines:
 // ROOM_SHADOW, LAMP_SHADOW.
-#include "scene/lamp_map.glsl"
+#include "scene/shadow_places.glsl"
 layout(location = 0) in vec4 bubble;    // relative to `origin` [m], radius [m]
 uniform vec3 origin;
 uniform mat4 view;
@@ -11,23 +11,11 @@ uniform vec4 clip_plane;
 uniform float lift;         // [m], of the surface above the particles
 uniform float height;       // of the picture [pixels]
 out vec3 world;
-#ifdef ROOM_SHADOW
-uniform mat4 room_lookup;
-out vec3 room_at;
-#endif
-#ifdef LAMP_SHADOW
-out vec3 lamp_at;
-#endif
 flat out vec3 centre;
 flat out vec2 size;         // radius [m], coverage of the point
 void main() {
     world = origin + bubble.xyz;
-#ifdef ROOM_SHADOW
-    room_at = (room_lookup * vec4(world, 1.0)).xyz;
-#endif
-#ifdef LAMP_SHADOW
-    lamp_at = lamp_texel(world);
-#endif
+    place_in_shadow_maps(world);
     vec4 p = view * vec4(world, 1.0);
     p.z += lift;
     centre = p.xyz;

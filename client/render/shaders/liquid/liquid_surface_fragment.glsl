@@ -6,12 +6,12 @@
 in vec2 at;
 vec3 world;
 layout(location = 0, index = 1) out vec4 transmitted;   // of the opaque scene
-#include "scene/lamp_map.glsl"
 #include "scene/lighting.glsl"
 #include "scene/through_mouth.glsl"
+#include "scene/shadow_places.glsl"
+#include "liquid/camera_depth.glsl"
 uniform sampler2D depth;
 uniform sampler2D thickness;
-uniform mat4 projection;
 uniform mat4 to_world;
 uniform vec2 next_pixel;
 uniform float sphere_pixels;    // diameter of a sphere at one metre
@@ -19,9 +19,6 @@ uniform float radius;           // [m]
 uniform vec3 extinction;        // [1/mm]
 uniform float deepest;          // [mm]
 uniform vec3 albedo;
-#ifdef ROOM_SHADOW
-uniform mat4 room_lookup;
-#endif
 vec3 place(vec2 where) {
     float z = texture(depth, where).r;
     vec2 aside = vec2(projection[2][0], projection[2][1]);  // for an off-axis lens
@@ -50,18 +47,13 @@ void main() {
     if (p.z >= 0.0) {
         discard;
     }
-    gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * p.z + projection[3][2]) / p.z;
+    gl_FragDepth = depth_at(p.z);
     // Over a third of a sphere's radius, which hides the pixel noise that smoothing leaves.
     vec2 aside = max(1.0, round(sphere_pixels / -p.z / 6.0)) * next_pixel;
     vec3 n = mat3(to_world) * normalize(cross(slope(p, vec2(aside.x, 0.0), vec2(next_pixel.x, 0.0)),
                                              slope(p, vec2(0.0, aside.y), vec2(0.0, next_pixel.y))));
     world = (to_world * vec4(p, 1.0)).xyz;
-#ifdef ROOM_SHADOW
-    room_at = (room_lookup * vec4(world, 1.0)).xyz;
-#endif
-#ifdef LAMP_SHADOW
-    lamp_at = lamp_texel(world);
-#endif
+    place_in_shadow_maps(world);
     vec3 v = normalize(eye - world);
     float open = open_at(world);
     float through = texture(thickness, at).r;
@@ -73,10 +65,7 @@ void main() {
     vec3 scattered = 1.2 * albedo * open * ambient(n);
     vec3 mirrored = fresnel * 1.5 * open * ambient(reflect(-v, n));
     for (int i = 0; i < LIGHTS; ++i) {
-        Arriving light = arriving(i);
-#ifndef ROOM_SHADOW
-        light.colour *= i == 0 ? open : 1.0;
-#endif
+        Arriving light = arriving_through_mouth(i, open);
         scattered += albedo * light.colour * (0.10 + 0.20 * max(dot(n, light.direction), 0.0));
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
         float nh8 = pow(nh, 8.0);

@@ -4,7 +4,7 @@
 // length through the sphere [mm] instead).
 in vec3 centre;
 flat in float size;
-uniform mat4 projection;
+#include "liquid/camera_depth.glsl"
 out float value;
 void main() {
     vec2 c = 2.0 * gl_PointCoord - 1.0;
@@ -18,6 +18,6 @@ void main() {
 #else
     float z = centre.z + front;
     value = -z;
-    gl_FragDepth = 0.5 - 0.5 * (projection[2][2] * z + projection[3][2]) / z;
+    gl_FragDepth = depth_at(z);
 #endif
 }

@@ -19,3 +19,11 @@ Arriving arriving(int i) {
     light.colour *= reaching(i);
     return light;
 }
+// As arriving(), where only the fraction `open` of the room's light enters; its shadow map already says so.
+Arriving arriving_through_mouth(int i, float open) {
+    Arriving light = arriving(i);
+#ifndef ROOM_SHADOW
+    light.colour *= i == 0 ? open : 1.0;
+#endif
+    return light;
+}

@@ -10,7 +10,8 @@
 // - RETRACT: retracted lips, see LipRetraction
 // - FROM_LAMP: draws into the lamp's shadow map
 // - LIT_AT_VERTICES: calls light_vertex(), defined after this file
-#include "scene/lamp_map.glsl"
+#include "scene/linear_colour.glsl"
+#include "scene/shadow_places.glsl"
 #ifdef FINER
 #include "scene/finer_vertex.glsl"
 #else
@@ -53,13 +54,6 @@ out vec3 world;
 out vec3 normal_at;
 #ifdef FINER
 flat out vec3 face_normal;   // of any length
-#endif
-#ifdef ROOM_SHADOW
-uniform mat4 room_lookup;
-out vec3 room_at;
-#endif
-#ifdef LAMP_SHADOW
-out vec3 lamp_at;
 #endif
 #ifdef RETRACT
 uniform mat4 to_sight;
@@ -110,7 +104,7 @@ void main() {
 #ifdef TUBE
     course_at = course;
 #else
-    colour_at = vec4(colour.rgb * colour.rgb * (0.75 + 0.25 * colour.rgb), colour.a);
+    colour_at = vec4(linear(colour.rgb), colour.a);
 #endif
 #ifdef TISSUE
     relief_at = relief;
@@ -122,17 +116,10 @@ void main() {
 #ifdef BY_TISSUE
     label_at = relief.z;
 #endif
-#if defined(ROOM_SHADOW) || defined(LAMP_SHADOW)
-    vec4 casts = p;
 #ifdef FINER
-    casts.xyz -= bend;   // the flat triangle casts the shadows
-#endif
-#endif
-#ifdef ROOM_SHADOW
-    room_at = (room_lookup * casts).xyz;
-#endif
-#ifdef LAMP_SHADOW
-    lamp_at = lamp_texel(casts.xyz);
+    place_in_shadow_maps(p.xyz - bend);   // the flat triangle casts the shadows
+#else
+    place_in_shadow_maps(p.xyz);
 #endif
 #ifdef FROM_LAMP
     vec4 at = in_lamp_map(p.xyz);

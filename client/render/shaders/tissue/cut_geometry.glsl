@@ -8,6 +8,7 @@
 //
 // Without FAN: a band of `width` inside the contour in the surface's own colour, which keeps skin,
 // mucosa and cords recognisable along the section.
+#include "scene/linear_colour.glsl"
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 4) out;
 in vec4 corner[];
@@ -18,7 +19,7 @@ out vec3 world;
 out vec3 colour_at;
 void put(vec3 p, vec3 c) {
     world = p;
-    colour_at = c * c * (0.75 + 0.25 * c);
+    colour_at = linear(c);
     gl_Position = view_projection * vec4(p, 1.0);
     EmitVertex();
 }
