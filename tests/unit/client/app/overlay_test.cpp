@@ -185,7 +185,7 @@ const std::vector<Row>& table() {
          }},
         {"keys",
          "eye",
-         {"e enhanced view on or off", "r tissue and tube back to rest"},
+         {"e enhanced view on or off", "r reset tissue and tube"},
          [](Moment& moment) {
              for (const client::CommandKey& key : client::command_keys()) {
                  moment.own.keys.emplace_back(key.caption, key.help);
@@ -193,7 +193,7 @@ const std::vector<Row>& table() {
          }},
         {"device_silent",
          "eye",
-         {"laryngoscope and tube are silent: time stands still"},
+         {"laryngoscope and tube are silent: simulation paused"},
          [](Moment& moment) {
              moment.status.laryngoscope(msg::DEVICE_SILENT);
              moment.status.tube(msg::DEVICE_SILENT);
@@ -201,7 +201,7 @@ const std::vector<Row>& table() {
          }},
         {"two_servers",
          "eye",
-         {"two servers serve this session: end one"},
+         {"two servers run this session: stop one"},
          [](Moment& moment) { moment.contested = true; }},
         {"server_lost",
          "eye",
