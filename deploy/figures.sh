@@ -105,7 +105,7 @@ pictures() {
         [ -f "${found[0]}" ] || { eti_say "There is no ${view}_best_*.png in $folder/observer; pass a demo's folder."; return 1; }
     done
     for view in "${PICTURES[@]}"; do
-        cp "$folder"/observer/"${view}"_best_*.png "$ETI_ROOT/docs/$view.png" || return 1
+        cp "$folder"/observer/"${view}"_best_*.png "$ETI_ROOT/docs/pictures/$view.png" || return 1
     done
 }
 
@@ -115,7 +115,7 @@ render() {
     rm -rf "$folder"
     "$ETI_ROOT/build/release/bin/eti-bench" render --scenario term --scenario premature --operator expert \
         --out "$folder" && cp "$folder/render-goals.csv" "$CHARTS" &&
-        cp "$folder/term_expert.png" "$ETI_ROOT/docs/rendering.png"
+        cp "$folder/term_expert.png" "$ETI_ROOT/docs/pictures/rendering.png"
 }
 
 # Output of a lab's reader while the blade lifts the tongue, and the cost of reading for the server.
@@ -127,7 +127,7 @@ readers() {
     "$folder/surface_reader" "${place[@]}" --out "$folder" --seconds 7 >&2
     read=$?
     kill -INT $server && wait $server
-    [ $read = 0 ] && "$ETI_PYTHON" -B "$ETI_ROOT/deploy/examples/draw_state.py" "$folder" "$ETI_ROOT/docs/lab_readers.png" &&
+    [ $read = 0 ] && "$ETI_PYTHON" -B "$ETI_ROOT/deploy/examples/draw_state.py" "$folder" "$ETI_ROOT/docs/pictures/lab_readers.png" &&
         "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/lab_readers.py" --examples "$folder" >"$folder/lab-readers.csv" &&
         cp "$folder/lab-readers.csv" "$CHARTS"
 }
@@ -137,7 +137,7 @@ panel() {
     local bin=$ETI_ROOT/build/release/bin place=(--session figures --domain 96) server taken
     "$bin/eti-server" --scenario term_enhanced --operator expert "${place[@]}" >&2 &
     server=$!
-    "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/window_picture.py" --seconds 8 "$ETI_ROOT/docs/panel.png" \
+    "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/window_picture.py" --seconds 8 "$ETI_ROOT/docs/pictures/panel.png" \
         "$bin/eti-client" --panel --size 1280x720 "${place[@]}" >&2
     taken=$?
     kill -INT $server && wait $server
@@ -154,7 +154,7 @@ first_session() {
         --play "$ETI_ROOT/deploy/data/hands/term.yaml" --wait 60 "${place[@]}" >&2 || { kill -INT $server; return 1; }
     wait $server
     for lesson in "${LESSONS[@]}"; do
-        cp "$folder"/*_"$lesson"_0*.png "$ETI_ROOT/docs/first_session_$lesson.png" || return 1
+        cp "$folder"/*_"$lesson"_0*.png "$ETI_ROOT/docs/pictures/first_session_$lesson.png" || return 1
     done
 }
 
@@ -168,7 +168,7 @@ report() {
     "$bin/eti-review" report "$folder"/{novice,expert}.eti.h5 --out "$folder" >&2 &&
         chromium --headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader \
             --hide-scrollbars --window-size=1200,1960 --virtual-time-budget=20000 --user-data-dir="$folder/profile" \
-            --screenshot="$ETI_ROOT/docs/report.png" "file://$folder/report.html" >&2
+            --screenshot="$ETI_ROOT/docs/pictures/report.png" "file://$folder/report.html" >&2
 }
 
 # A server whose operator repeats its script: an hour in real time, then eight simulated hours.
@@ -204,12 +204,12 @@ if [ $list = yes ]; then
         if draws "$part"; then plot --only "$part" --list; fi
         case $part in
             anatomy) printf '%s\n' "$ETI_ROOT"/docs/anatomy/{phantom,cranium}.png ;;
-            pictures) printf "$ETI_ROOT/docs/%s.png\n" "${PICTURES[@]}" ;;
-            render) printf '%s\n' "$ETI_ROOT/docs/rendering.png" ;;
-            first_session) printf "$ETI_ROOT/docs/first_session_%s.png\n" "${LESSONS[@]}" ;;
-            readers) printf '%s\n' "$ETI_ROOT/docs/lab_readers.png" ;;
-            panel) printf '%s\n' "$ETI_ROOT/docs/panel.png" ;;
-            report) printf '%s\n' "$ETI_ROOT/docs/report.png" ;;
+            pictures) printf "$ETI_ROOT/docs/pictures/%s.png\n" "${PICTURES[@]}" ;;
+            render) printf '%s\n' "$ETI_ROOT/docs/pictures/rendering.png" ;;
+            first_session) printf "$ETI_ROOT/docs/pictures/first_session_%s.png\n" "${LESSONS[@]}" ;;
+            readers) printf '%s\n' "$ETI_ROOT/docs/pictures/lab_readers.png" ;;
+            panel) printf '%s\n' "$ETI_ROOT/docs/pictures/panel.png" ;;
+            report) printf '%s\n' "$ETI_ROOT/docs/pictures/report.png" ;;
         esac
     done | sed "s|^$ETI_ROOT/||"
     exit 0

@@ -58,6 +58,7 @@ class Figures(unittest.TestCase):
         for part in ("deploy", "docs/charts", "tests/bench"):
             shutil.copytree(ROOT / part, self.root / part, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "docs/stamps.py", self.root / "docs")
+        (self.root / "docs/pictures").mkdir()
 
     def program(self, name, body):
         """Puts a script in the place of a program."""
@@ -203,7 +204,7 @@ class Figures(unittest.TestCase):
         done = self.figures("--only", "pictures", "--demo", demo.parent)
         self.assertEqual(done.returncode, 0, done.stderr)
         for view in views:
-            self.assertEqual((self.root / f"docs/{view}.png").read_text(), f"{view}, best")
+            self.assertEqual((self.root / f"docs/pictures/{view}.png").read_text(), f"{view}, best")
         (demo / "section_best_007.000s.png").unlink()
         done = self.figures("--only", "pictures", "--demo", demo.parent)
         self.assertEqual(done.returncode, 1)
