@@ -84,6 +84,10 @@ pre { white-space: pre-wrap; }
 
 std::string csv_text(std::string_view text) {
     std::string out = "\"";
+    // A spreadsheet would run a text that begins so as a formula.
+    if (!text.empty() && std::string_view("=+-@\t\r").find(text.front()) != std::string_view::npos) {
+        out += '\'';
+    }
     for (const char c : text) {
         out.append(c == '"' ? 2 : 1, c);
     }

@@ -144,6 +144,14 @@ TEST_F(Study, RejectsInvalidComparisonsWithReason) {
     EXPECT_NE(found.remarks[0].find("5.eti.h5 is excluded"), std::string::npos);
 }
 
+TEST(Csv, FormulasAreNotRun) {
+    EXPECT_EQ(csv_text("P1"), "\"P1\"");
+    EXPECT_EQ(csv_text("=HYPERLINK(\"x\")"), "\"'=HYPERLINK(\"\"x\"\")\"");
+    for (const char* text : {"+1", "-1", "@SUM(A1)", "\t=1", "\r=1"}) {
+        EXPECT_EQ(csv_text(text), "\"'" + std::string(text) + "\"");
+    }
+}
+
 TEST_F(Study, CsvHasOneRowPerSession) {
     const Comparison found = compared(
         {{"a", {session("1", "P1", 10, 2.5)}}, {"b \"x\"", {session("2", "P\"2", 12), session("3", "", 40)}}},
