@@ -40,14 +40,14 @@ class Moment {
         : scene(shapes), metrics(synthetic::metrics(source, now_ns, 40.0f)), source_(source) {
         scene.apply(synthetic::deformation(source, now_ns, 0.003f, 0.02f));
         scene.apply(synthetic::proxy(source, now_ns));
-        metrics.gum_force_n(1.0f);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, 1.0f);
         parameters.time_s = 24.3;
         parameters.tube_depth_at_lip_cm = 8.8;
         parameters.tube_depth_rule_cm = 9.5;
     }
     /// The blade presses on the upper gum, beside its middle.
     void press(float force) {
-        metrics.gum_force_n(force);
+        synthetic::set(metrics, &LiveMeasures::gum_force_n, force);
         msg::ProxyState proxy = synthetic::proxy(source_, now_ns);
         const Vec3f where = at(scene.landmarks(), Landmark::upper_gum) + Vec3f(4e-3f, 0.0f, 0.0f);
         msg::ShellContact contact;
@@ -428,8 +428,7 @@ TEST_F(Overlay, HeadsetEyeMatchesReferenceImage) {
                                               RigidTransform::from(Quatf::Identity(), {0.032f, 0.0f, 0.0f}));
     compositor_.reset();  // the text overlay is one
     client::EyeCompositor eyes(side, side, render::qualities().front());
-    const client::EyeCompositor::Ray ray{to_patient * hand.translation,
-                                         to_patient * (hand * Vec3f(0.0f, 0.0f, -0.9f))};
+    const client::LaserRay ray{to_patient * hand.translation, to_patient * (hand * Vec3f(0.0f, 0.0f, -0.9f))};
     ASSERT_TRUE(test::eventually(
         [&] {
             eyes.draw_eyes(moment.scene, from, false);

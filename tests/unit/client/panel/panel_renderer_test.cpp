@@ -330,9 +330,11 @@ TEST_P(PanelPage, TextIsCompleteLegibleAndApart) {
             break;
         case panel::Page::plots:
             for (const panel::Series& series : one_.model.history().series()) {
-                expected.push_back(fmt::format("{} [{}] {:.1f} {:g} to {:.3g} last 60 s", series.label,
-                                               series.unit, series.samples.back().value, series.low(),
-                                               series.high()));
+                if (!series.samples.empty()) {
+                    expected.push_back(fmt::format("{} [{}] {:.1f} {:g} to {:.3g} last 60 s",
+                                                   series.field->short_label, series.field->unit,
+                                                   series.samples.back().value, series.low(), series.high()));
+                }
             }
             break;
         case panel::Page::health:

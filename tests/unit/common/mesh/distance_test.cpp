@@ -170,7 +170,8 @@ TEST(MeshDistance, AgreesWithBruteForce) {
                 float best = band;
                 for (const Triangle& t : mesh.triangles) {
                     best = std::min(best, (p - closest_on_triangle(p, mesh.vertices[t[0]],
-                                                                   mesh.vertices[t[1]], mesh.vertices[t[2]]))
+                                                                   mesh.vertices[t[1]], mesh.vertices[t[2]])
+                                                   .point)
                                               .norm());
                 }
                 const float found = grid.value[grid.index(x, y, z)];

@@ -90,8 +90,8 @@ TEST_P(Ballistics, LooseTubeMatchesDiscreteTrajectory) {
         rod.predict(dt(), Vec3f::Zero(), {});
         for (std::uint32_t s = 0; s < rod.size(); ++s) {
             const auto mass = static_cast<float>(1.0 / rod.segments()[s].inverse_mass);
-            rod.push(s, static_cast<float>(rod.segments()[s].behind) / rod.length(s), Vec3f::Zero(),
-                     dt() * mass * (1.0f + damping * dt()) * speed);
+            rod.load(s, static_cast<float>(rod.segments()[s].behind) / rod.length(s),
+                     mass * (1.0f + damping * dt()) * speed / dt());
         }
         rod.solve();
         rod.finish();
