@@ -33,7 +33,8 @@ void write_new_file(const std::filesystem::path& path, std::string_view text, st
 /// A whole page that loads nothing. `title`: plain text; `body`: HTML.
 [[nodiscard]] std::string html_page(std::string_view title, std::string_view body);
 
-/// Quotes text as a CSV value (RFC 4180). Text that a spreadsheet would run as a formula (it begins with =, +,
+/// Quotes text as a CSV value (RFC 4180). Text that a spreadsheet would run as a formula (it begins with =,
+/// +,
 /// -, @, tab or carriage return) gets an apostrophe in front.
 [[nodiscard]] std::string csv_text(std::string_view text);
 

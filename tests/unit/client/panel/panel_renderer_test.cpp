@@ -316,7 +316,7 @@ TEST_P(PanelPage, TextIsCompleteLegibleAndApart) {
     switch (GetParam()) {
         case panel::Page::patient:
             expected.insert(expected.end(), {"tongue scale 0.8 to 1.4 1.00 1.00", "~ -10.0 deg",
-                                             "restart it with 'saliva: standby', which has none until"});
+                                             "restart it with 'saliva: standby', which starts without"});
             break;
         case panel::Page::aids:
             for (const panel::ParameterRow& row : one_.model.rows()) {

@@ -309,7 +309,7 @@ TEST_F(AnnotationPicture, GpuResetIsReported) {
         renderer_.sync(scene_);
         ADD_FAILURE() << "no error";
     } catch (const std::runtime_error& error) {
-        EXPECT_NE(std::string(error.what()).find("reset, by another program"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("reset, caused by another program"), std::string::npos);
         EXPECT_NE(std::string(error.what()).find("LIBGL_ALWAYS_SOFTWARE"), std::string::npos);
     }
     epoxy_glGetGraphicsResetStatus = driver;

@@ -284,7 +284,7 @@ TEST_F(Calibrate, TrackerUsesTheRegistrationResult) {
     const auto result = nlohmann::json::parse(done.out);
     EXPECT_LT(result.at("error_mm"), 1e-3);
     EXPECT_FALSE(result.at("points")[1].at("used"));
-    EXPECT_THAT(done.err, HasSubstr("left out"));
+    EXPECT_THAT(done.err, HasSubstr("excluded"));
 
     Running program(ETI_TRACKER, with("simulated", {"--json", "--duration", "2.5", "--calibration", file}));
     EXPECT_EQ(program.wait(), 0) << program.err();

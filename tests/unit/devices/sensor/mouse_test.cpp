@@ -12,6 +12,7 @@
 
 #include "close_window.hpp"
 #include "common/device/held_tool.hpp"
+#include "common/math/units.hpp"
 #include "tests/support/virtual_display.hpp"
 #include "vendor_fixture.hpp"
 
@@ -57,8 +58,8 @@ TEST_F(MouseDriver, DraggingMovesAndTurns) {
     ASSERT_TRUE(xdotool("mouseup 1 mousedown 3 mousemove 300 120"));
     EXPECT_TRUE(loop_->until(
         [&] {
-            return (rotation_vector(loop_->reading.motion.pose.rotation) - Vec3f(0, -0.1745f, 0)).norm() <
-                   1e-3f;
+            return (rotation_vector(loop_->reading.motion.pose.rotation) - Vec3f(0, -10.0f * degree, 0))
+                       .norm() < 1e-5f;
         },
         3s));
     const RigidTransform before = loop_->reading.motion.pose;
