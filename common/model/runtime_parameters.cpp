@@ -134,12 +134,12 @@ const RuntimeParameterField* find_runtime_parameter(std::string_view name) {
 }
 
 RuntimeParameters advance_towards(const RuntimeParameters& from, const RuntimeParameters& to, float seconds,
-                                  float haste) {
+                                  float rate_scale) {
     RuntimeParameters out = to;
     for (const RuntimeParameterField& field : runtime_parameter_fields) {
         if (field.rate > 0.0f) {
             const float now = from.*field.value;
-            const float most = haste * field.rate * seconds * (field.relative ? now : 1.0f);
+            const float most = rate_scale * field.rate * seconds * (field.relative ? now : 1.0f);
             out.*field.value = approach(now, to.*field.value, most);
         }
     }

@@ -46,9 +46,9 @@ extern const std::span<const RuntimeParameterField> runtime_parameter_fields;
 /// The row of a name, or nullptr.
 [[nodiscard]] const RuntimeParameterField* find_runtime_parameter(std::string_view name);
 
-/// `from` advanced towards `to` for `seconds`, each value at its own rate times `haste`.
+/// `from` advanced towards `to` for `seconds`, each value at its own rate times `rate_scale`.
 [[nodiscard]] RuntimeParameters advance_towards(const RuntimeParameters& from, const RuntimeParameters& to,
-                                                float seconds, float haste);
+                                                float seconds, float rate_scale);
 
 /// The tube with the runtime parameters applied.
 [[nodiscard]] Tube apply_to_tube(Tube tube, const RuntimeParameters& values);

@@ -33,10 +33,10 @@ using client::Selection;
 constexpr std::uint64_t now_ns = 24'300'000'000;
 
 // The session's state at one moment, for one picture.
-class Moment {
+class DrawnScene {
   public:
     /// `shapes`: all of `source` has been applied to it.
-    Moment(const synthetic::Scene& source, const view::SceneView& shapes)
+    DrawnScene(const synthetic::Scene& source, const view::SceneView& shapes)
         : scene(shapes), metrics(synthetic::metrics(source, now_ns, 40.0f)), source_(source) {
         scene.apply(synthetic::deformation(source, now_ns, 0.003f, 0.02f));
         scene.apply(synthetic::proxy(source, now_ns));
@@ -109,7 +109,7 @@ struct Row {
     const char* name;
     const char* view;
     std::vector<std::string> words;
-    void (*happens)(Moment&);
+    void (*happens)(DrawnScene&);
     int width = 640, height = 360;  // of the window
     bool golden = false;
     bool panel = false;  // the instructor's, beside the scene
@@ -119,9 +119,9 @@ struct Row {
     }
 };
 
-void nothing(Moment&) {}
+void nothing(DrawnScene&) {}
 
-void everything(Moment& moment) {
+void everything(DrawnScene& moment) {
     moment.live.view_enhanced = 1.0f;
     moment.metrics.tube_place(msg::TUBE_IN_OESOPHAGUS);
     moment.parameters.time_s = 31.7;
@@ -130,7 +130,7 @@ void everything(Moment& moment) {
     moment.press(5.0f);
 }
 
-void lesson(Moment& moment) {
+void lesson(DrawnScene& moment) {
     moment.live.view_enhanced = 1.0f;
     moment.write(msg::ANNOTATION_NOTE, "sweep the tongue aside");
     moment.draw_on_the_forehead();
@@ -155,18 +155,20 @@ const std::vector<Row>& table() {
         {"aids_in_section",
          "section",
          {"mouth", "throat, 84 deg", "larynx, 3 deg", "2.5 N", "blade"},
-         [](Moment& moment) {
+         [](DrawnScene& moment) {
              moment.live.view_enhanced = 1.0f;
              moment.press(2.5f);
          }},
         {"success",
          "eye",
          {"attempt 1: success", "the tube lies in the trachea"},
-         [](Moment& moment) { moment.scene.apply(synthetic::summary(1, true, now_ns - 1'000'000'000)); }},
+         [](DrawnScene& moment) { moment.scene.apply(synthetic::summary(1, true, now_ns - 1'000'000'000)); }},
         {"no_success",
          "eye",
          {"attempt 1: no success", "the tube lies in the oesophagus"},
-         [](Moment& moment) { moment.scene.apply(synthetic::summary(1, false, now_ns - 1'000'000'000)); }},
+         [](DrawnScene& moment) {
+             moment.scene.apply(synthetic::summary(1, false, now_ns - 1'000'000'000));
+         }},
         {"words",
          "overview",
          {"sweep the tongue aside", "here",
@@ -174,7 +176,7 @@ const std::vector<Row>& table() {
           "2 of 5: blade in",
           "Drag with the left button: the blade's tip follows, by the right corner of the mouth over the "
           "tongue."},
-         [](Moment& moment) {
+         [](DrawnScene& moment) {
              moment.write(msg::ANNOTATION_NOTE, "sweep the tongue aside");
              moment.draw_on_the_forehead();
              moment.own.notice =
@@ -186,7 +188,7 @@ const std::vector<Row>& table() {
         {"keys",
          "eye",
          {"e enhanced view on or off", "r reset tissue and tube"},
-         [](Moment& moment) {
+         [](DrawnScene& moment) {
              for (const client::CommandKey& key : client::command_keys()) {
                  moment.own.keys.emplace_back(key.caption, key.help);
              }
@@ -194,7 +196,7 @@ const std::vector<Row>& table() {
         {"device_silent",
          "eye",
          {"laryngoscope and tube are silent: simulation paused"},
-         [](Moment& moment) {
+         [](DrawnScene& moment) {
              moment.status.laryngoscope(msg::DEVICE_SILENT);
              moment.status.tube(msg::DEVICE_SILENT);
              moment.status.phase(msg::PHASE_FROZEN);
@@ -202,11 +204,11 @@ const std::vector<Row>& table() {
         {"two_servers",
          "eye",
          {"two servers run this session: stop one"},
-         [](Moment& moment) { moment.contested = true; }},
+         [](DrawnScene& moment) { moment.contested = true; }},
         {"server_lost",
          "eye",
          {"server lost", "gum force 1.0 N"},
-         [](Moment& moment) { moment.lost = true; }},
+         [](DrawnScene& moment) { moment.lost = true; }},
         {"all_at_once",
          "auto",
          {"gum 5.0 N", "31.7/30 s", "tube at the lip 8.8 cm, by the rule 9.5", "SpO2 % 78",
@@ -215,7 +217,7 @@ const std::vector<Row>& table() {
         {"upright",
          "auto",
          {"24.3/30 s", "2.5 N", "larynx, 3 deg"},
-         [](Moment& moment) {
+         [](DrawnScene& moment) {
              moment.live.view_enhanced = 1.0f;
              moment.press(2.5f);
          },
@@ -224,7 +226,7 @@ const std::vector<Row>& table() {
         {"four_small",
          "four",
          {"here", "throat, 84 deg"},
-         [](Moment& moment) {
+         [](DrawnScene& moment) {
              moment.live.view_enhanced = 1.0f;
              moment.draw_on_the_forehead();
          }},
@@ -232,7 +234,7 @@ const std::vector<Row>& table() {
         {"trainee",
          "auto",
          {"24.3/30 s", "tube at the lip 8.8 cm"},
-         [](Moment& moment) { moment.live.view_enhanced = 1.0f; },
+         [](DrawnScene& moment) { moment.live.view_enhanced = 1.0f; },
          960,
          540},
         {"instructor", "four", {"sweep the tongue aside", "here", "mouth"}, lesson, 960, 540, true, true},
@@ -266,7 +268,7 @@ class Overlay : public ::testing::TestWithParam<Row> {
         return *compositor_;
     }
     /// Without the panel.
-    static render::Image picture(const Row& row, Moment& moment, const render::Vantage& from = {}) {
+    static render::Image picture(const Row& row, DrawnScene& moment, const render::Vantage& from = {}) {
         row.happens(moment);
         moment.say();
         hud::Readout readout = hud::make_readout(moment.scene, moment.lost, moment.contested);
@@ -334,7 +336,7 @@ bool shows(const render::Image& image, const Eigen::Vector2f& place, ImU32 colou
 
 TEST_P(Overlay, TextIsWholeLegibleAndApart) {
     const Row& row = GetParam();
-    Moment moment(*source_, *shapes_);
+    DrawnScene moment(*source_, *shapes_);
     const render::Image image = picture(row, moment);
     const std::vector<test::DrawnLine> lines = test::drawn_lines();
     const std::string all = test::sentence(lines);
@@ -367,7 +369,7 @@ TEST_F(Overlay, MarksAreDrawnWhereProjected) {
         if (row.happens != everything && std::string_view(row.name) != "aids_in_section") {
             continue;
         }
-        Moment moment(*source_, *shapes_);
+        DrawnScene moment(*source_, *shapes_);
         const render::Image image = picture(row, moment);
         const Selection& selection = *client::selection_named(row.view);
         const client::Views views = selection.views(moment.scene);
@@ -399,7 +401,7 @@ TEST_F(Overlay, MarksAreDrawnWhereProjected) {
 
 TEST_F(Overlay, GoldenPictureDetectsMovedEye) {
     const Row& eye = table()[1];
-    Moment moment(*source_, *shapes_);
+    DrawnScene moment(*source_, *shapes_);
     render::Vantage aside;
     aside.eye = view::TraineeEye(Vec3f(0.01f, 0.0f, 0.0f));
     EXPECT_GT(test::share_apart(picture(eye, moment, aside), render::read_png(golden("eye"))), most_apart);
@@ -407,7 +409,7 @@ TEST_F(Overlay, GoldenPictureDetectsMovedEye) {
 
 // The trainee's left eye in a headset, with the laser pointer's ray.
 TEST_F(Overlay, HeadsetEyeMatchesReferenceImage) {
-    Moment moment(*source_, *shapes_);
+    DrawnScene moment(*source_, *shapes_);
     moment.live.view_enhanced = 1.0f;
     moment.press(2.5f);
     moment.draw_on_the_forehead();
