@@ -33,7 +33,7 @@ export function outcomes({ sessions }) {
     }
     for (const attempt of session.attempts) {
       column.append(element("p", { class: "attempt" }, outcomeLight(attempt),
-        ` Attempt ${attempt.attempt}: ${outcomeWord(attempt).toLowerCase()}. ${attempt.reason}`));
+        ` Attempt ${attempt.attempt}: ${outcomeWord(attempt).toLowerCase()}; ${attempt.reason}`));
     }
     if (session.debriefing) {
       column.append(element("p", {}, `To discuss: ${session.debriefing}`));
