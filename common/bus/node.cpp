@@ -240,8 +240,13 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
         peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
     if (peer) {
         const std::lock_guard lock(peers_mutex_);
-        if (peers_.size() >= max_peers && as_server) {
-            peers_.erase(peers_.begin());
+        // A newly found server takes the place of a program that is none.
+        if (peers_.size() >= max_peers && as_server && !peers_.contains(id)) {
+            const auto other =
+                std::ranges::find_if(peers_, [](const auto& one) { return one.second.name != server_name; });
+            if (other != peers_.end()) {
+                peers_.erase(other);
+            }
         }
         if (peers_.size() < max_peers) {
             peers_.insert_or_assign(id, *peer);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/bus/guard/security_message.hpp"
+#include "common/bus/guard/writer_table.hpp"
 
 namespace eti::bus {
 
@@ -20,12 +21,10 @@ bool is_built_in(const WriterId& writer) {
 /// The sample's entry, or null where its sizes differ from those of its first fragment or it is too old.
 FragmentGuard::Sample* FragmentGuard::sample_of(Writers& writers, std::size_t most, const WriterId& id,
                                                 const Fragments& fragments, Clock::time_point now) {
-    const auto known = writers.find(id);
-    if (known == writers.end() && writers.size() >= most) {
-        writers.erase(
-            std::ranges::min_element(writers, {}, [](const auto& one) { return one.second.heard; }));
+    if (!writers.contains(id)) {
+        make_room(writers, most);
     }
-    Writer& writer = known == writers.end() ? writers[id] : known->second;
+    Writer& writer = writers[id];
     writer.heard = now;
     if (fragments.sequence_number <= writer.forgotten) {
         return nullptr;

@@ -99,13 +99,14 @@ class ReceiveFilter final : public transport::ChainingTransport {
             if (by_admission) {
                 return true;
             }
-            const bool from_owner = ask_.admission->owner() == written.writer.participant;
-            if (written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to, from_owner)) {
+            // Asked for few submessages only: it takes a lock.
+            const auto from_owner = [&] { return ask_.admission->owner() == written.writer.participant; };
+            if (written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to, from_owner())) {
                 fault = "claims more samples than its writer can have written";
                 return true;
             }
             if (written.fragments &&
-                !ask_.fragments->plausible(written.writer, *written.fragments, from_owner)) {
+                !ask_.fragments->plausible(written.writer, *written.fragments, from_owner())) {
                 fault = "has fragments that do not belong together";
                 return true;
             }

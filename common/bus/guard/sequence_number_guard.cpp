@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/bus/guard/writer_table.hpp"
+
 namespace eti::bus {
 
 bool SequenceNumberGuard::plausible(const WriterId& writer, std::int64_t number, bool from_owner,
@@ -14,10 +16,7 @@ bool SequenceNumberGuard::plausible(const WriterId& writer, std::int64_t number,
         if (number > (from_owner ? max_first_of_owner : max_first)) {
             return false;
         }
-        if (writers_.size() >= max_writers) {
-            writers_.erase(
-                std::ranges::min_element(writers_, {}, [](const auto& one) { return one.second.heard; }));
-        }
+        make_room(writers_, max_writers);
         writers_.emplace(writer, WriterProgress{number, burst, now});
         return true;
     }
