@@ -29,27 +29,32 @@ constexpr float shell_memory = 0.97f;
 // alternate between sticking and sliding. If all of it were forgotten, every load would make the point creep.
 constexpr float stick_memory = 0.5f;
 
-/// Thirty-two bits for the first particle, twenty-four for the second, eight for the obstacle.
-std::uint64_t key_of(const pbd::MeshContact& contact, std::uint8_t obstacle) {
-    return static_cast<std::uint64_t>(contact.particle[0]) << 32 |
-           static_cast<std::uint64_t>(contact.particle[1]) << 8 | obstacle;
+// Where a triangle touches: at its three Gauss points. The corner nearest to one bears two thirds of its
+// force.
+constexpr std::size_t points_per_triangle = 3;
+constexpr float own_corner = 2.0f / 3.0f;
+// There are six such points per particle, where there were a particle and three edges.
+constexpr float triangle_point_share = 2.0f / 3.0f;
+
+std::uint64_t key_of(std::size_t feature, std::uint8_t obstacle) {
+    return static_cast<std::uint64_t>(feature) << 8 | obstacle;
 }
 
 }  // namespace
 
-void TongueContacts::configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges) {
+void TongueContacts::configure(std::vector<std::uint32_t> movers, Surface surface) {
     movers_ = std::move(movers);
-    edges_ = std::move(edges);
+    surface_ = std::move(surface);
     last_.reserve(expected_count());
     now_.reserve(expected_count());
-    obstacle_.reserve(expected_count());
+    key_.reserve(expected_count());
     reset();
 }
 
 void TongueContacts::reset() {
     last_.clear();
     now_.clear();
-    obstacle_.clear();
+    key_.clear();
 }
 
 void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade, const Shell& shell,
@@ -57,31 +62,30 @@ void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& bl
     last_.clear();
     for (std::size_t n = 0; n < contacts.size(); ++n) {
         if (!contacts[n].force.isZero(0.0f)) {
-            last_.push_back({key_of(contacts[n], obstacle_[n]), contacts[n].force, contacts[n].slip});
+            last_.push_back({key_[n], contacts[n].force, contacts[n].slip});
         }
     }
     std::ranges::sort(last_, {}, &PreviousContact::key);
     now_.clear();
-    obstacle_.clear();
+    key_.clear();
     collide_blade(particles, blade);
     collide_shell(particles, shell);
     std::swap(now_, contacts);
 }
 
-const TongueContacts::PreviousContact* TongueContacts::find_previous(const pbd::MeshContact& contact,
-                                                                     std::uint8_t obstacle) const {
-    const std::uint64_t key = key_of(contact, obstacle);
+const TongueContacts::PreviousContact* TongueContacts::find_previous(std::uint64_t key) const {
     const auto found = std::ranges::lower_bound(last_, key, {}, &PreviousContact::key);
     return found != last_.end() && found->key == key ? &*found : nullptr;
 }
 
-void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle) {
-    const PreviousContact* const last = find_previous(contact, obstacle);
+void TongueContacts::add(const pbd::MeshContact& contact, std::size_t feature, std::uint8_t obstacle) {
+    const std::uint64_t key = key_of(feature, obstacle);
+    const PreviousContact* const last = find_previous(key);
     if (contact.gap >= 0.0f && last == nullptr) {
         return;
     }
     now_.push_back(contact);
-    obstacle_.push_back(obstacle);
+    key_.push_back(key);
     if (last != nullptr) {
         now_.back().force = (obstacle == shell_obstacle ? shell_memory : 1.0f) * last->force;
         now_.back().slip += stick_memory * last->slip;
@@ -90,7 +94,6 @@ void TongueContacts::add(const pbd::MeshContact& contact, std::uint8_t obstacle)
 
 void TongueContacts::collide_blade(const pbd::Particles& particles, const MovingBlade& blade) {
     const RigidTransform carry = blade.to * blade.from.inverse();
-    const auto slip_of = [&](const Vec3f& before, const Vec3f& now) -> Vec3f { return now - carry * before; };
     float widest = 0.0f;
     for (const std::uint32_t i : movers_) {
         widest = std::max(widest, particles.radius[i]);
@@ -103,68 +106,83 @@ void TongueContacts::collide_blade(const pbd::Particles& particles, const Moving
         const Vec3f margin = Vec3f::Constant(capsule.radius + widest + left_behind);
         box.min() -= margin;
         box.max() += margin;
-        for (const std::uint32_t i : movers_) {
-            const Vec3f& x = particles.predicted[i];
-            if (!box.contains(x)) {
-                continue;
+        // Adds a contact at a point with these corners, whose ball is `away` from the axis.
+        const auto touch = [&](pbd::MeshContact& contact, std::size_t feature, const Vec3f& now,
+                               const Vec3f& away) {
+            Vec3f before = contact.share[0] * particles.position[contact.particle[0]];
+            float radius = particles.radius[contact.particle[0]];
+            for (std::size_t k = 1; k < contact.corners; ++k) {
+                before += contact.share[k] * particles.position[contact.particle[k]];
+                radius += particles.radius[contact.particle[k]];
             }
-            const Vec3f away = offset_from_segment(a, b, x);
-            const float reach = capsule.radius + particles.radius[i];
-            const float squared = away.squaredNorm();
-            if (squared >= (reach + left_behind) * (reach + left_behind)) {
-                continue;
+            const float reach = capsule.radius + radius / static_cast<float>(contact.corners);
+            const float distance = away.norm();
+            if (distance >= reach + left_behind) {
+                return;
             }
-            const float distance = std::sqrt(squared);
-            pbd::MeshContact contact;
-            contact.particle = {i, i};
             contact.normal = away / std::max(distance, 1e-9f);
             contact.gap = distance - reach;
-            contact.slip = slip_of(particles.position[i], x);
+            contact.slip = now - carry * before;
             contact.friction = mucosa_on_steel;
-            add(contact, c);
+            add(contact, feature, c);
+        };
+        std::size_t feature = movers_.size();
+        for (const std::uint32_t i : surface_.particles) {
+            const Vec3f& x = particles.predicted[i];
+            if (box.contains(x)) {
+                pbd::MeshContact contact = pbd::MeshContact::at_particle(i);
+                touch(contact, feature, x, offset_from_segment(a, b, x));
+            }
+            ++feature;
         }
-        for (const auto& [i, k] : edges_) {
+        for (const auto& [i, k] : surface_.edges) {
             const Vec3f& x = particles.predicted[i];
             const Vec3f& y = particles.predicted[k];
             // Both ends count: a blade drawn back and pushed forward stretches edges to a centimetre.
-            if (!box.intersects(Eigen::AlignedBox3f(x.cwiseMin(y), x.cwiseMax(y)))) {
-                continue;
+            if (box.intersects(Eigen::AlignedBox3f(x.cwiseMin(y), x.cwiseMax(y)))) {
+                const auto [t, on_axis] = closest_on_segments(x, y, a, b);
+                if (t >= min_along && t <= 1.0f - min_along) {
+                    pbd::MeshContact contact = pbd::MeshContact::on_edge(i, k, t);
+                    const Vec3f point = x + t * (y - x);
+                    touch(contact, feature, point, point - a - on_axis * (b - a));
+                }
             }
-            const auto [t, on_axis] = closest_on_segments(x, y, a, b);
-            if (t < min_along || t > 1.0f - min_along) {
-                continue;
+            ++feature;
+        }
+        for (const Triangle& triangle : surface_.triangles) {
+            const std::array corner = {particles.predicted[triangle[0]], particles.predicted[triangle[1]],
+                                       particles.predicted[triangle[2]]};
+            Eigen::AlignedBox3f around(corner[0]);
+            around.extend(corner[1]).extend(corner[2]);
+            for (std::size_t k = 0; k < points_per_triangle && box.intersects(around); ++k) {
+                pbd::MeshContact contact;
+                contact.corners = 3;
+                contact.share.fill(0.5f * (1.0f - own_corner));
+                contact.share[k] = own_corner;
+                Vec3f point = Vec3f::Zero();
+                for (std::size_t l = 0; l < 3; ++l) {
+                    contact.particle[l] = triangle[l];
+                    point += contact.share[l] * corner[l];
+                }
+                contact.area_share = triangle_point_share;
+                touch(contact, feature + k, point, offset_from_segment(a, b, point));
             }
-            const Vec3f point = x + t * (y - x);
-            const Vec3f away = point - a - on_axis * (b - a);
-            const float distance = away.norm();
-            const float reach = capsule.radius + 0.5f * (particles.radius[i] + particles.radius[k]);
-            if (distance >= reach + left_behind) {
-                continue;
-            }
-            pbd::MeshContact contact;
-            contact.particle = {i, k};
-            contact.along = t;
-            contact.normal = away / std::max(distance, 1e-9f);
-            contact.gap = distance - reach;
-            contact.slip = slip_of((1.0f - t) * particles.position[i] + t * particles.position[k], point);
-            contact.friction = mucosa_on_steel;
-            add(contact, c);
+            feature += points_per_triangle;
         }
     }
 }
 
 void TongueContacts::collide_shell(const pbd::Particles& particles, const Shell& shell) {
     clearance_.begin(movers_.size(), shell.revision);
-    auto last = last_.begin();  // both lists are sorted by particle index
+    auto last = last_.begin();  // both lists are sorted by mover
     for (std::size_t n = 0; n < movers_.size(); ++n) {
         const std::uint32_t i = movers_[n];
         if ((particles.channels[i] & pbd::channel::shell) == 0) {
             continue;
         }
         const Vec3f& x = particles.predicted[i];
-        pbd::MeshContact contact;
-        contact.particle = {i, i};
-        const std::uint64_t key = key_of(contact, shell_obstacle);
+        pbd::MeshContact contact = pbd::MeshContact::at_particle(i);
+        const std::uint64_t key = key_of(n, shell_obstacle);
         last = std::find_if(last, last_.end(), [&](const PreviousContact& k) { return k.key >= key; });
         const bool touched = last != last_.end() && last->key == key;
         if (!clearance_.inside(n, x, shell.distance) && !touched) {
@@ -175,7 +193,7 @@ void TongueContacts::collide_shell(const pbd::Particles& particles, const Shell&
         contact.normal = wall.normal;
         contact.slip = x - particles.position[i];
         contact.friction = mucosa_on_mucosa;
-        add(contact, shell_obstacle);
+        add(contact, n, shell_obstacle);
     }
 }
 

@@ -14,9 +14,10 @@
 
 namespace eti::scene {
 
-/// Contacts of an implicit mesh's particles and surface edges with the laryngoscope's capsules or the offset
-/// shell, with their forces of the previous step. The blade collides with the particles' balls, and between
-/// them with a ball swept along each surface edge. Not thread safe.
+/// Contacts of an implicit mesh's surface with the laryngoscope's capsules, and of its particles with the
+/// offset shell, with their forces of the previous step. The blade collides with balls about particles and
+/// swept along edges, or with balls at the Gauss points of triangles, which push no particle alone. Not
+/// thread safe.
 class TongueContacts {
   public:
     using Edge = std::array<std::uint32_t, 2>;  ///< particle indices
@@ -33,8 +34,18 @@ class TongueContacts {
         std::uint64_t revision;
     };
 
-    /// `movers`, ascending: particles that the mesh moves; `edges`: surface edges whose ends both move.
-    void configure(std::vector<std::uint32_t> movers, std::vector<Edge> edges);
+    using Triangle = std::array<std::uint32_t, 3>;  ///< particle indices
+
+    /// The surface that the blade meets.
+    struct Surface {
+        std::vector<std::uint32_t> particles;
+        std::vector<Edge> edges;
+        std::vector<Triangle> triangles;
+    };
+
+    /// `movers`, ascending: particles that the mesh moves; at least one corner of each edge or triangle
+    /// moves.
+    void configure(std::vector<std::uint32_t> movers, Surface surface);
     void reset();
 
     /// Finds the contacts at the predicted positions, and those of the last call. `contacts` holds the last
@@ -44,9 +55,14 @@ class TongueContacts {
 
     /// Expected upper bound of simultaneous contacts, for reserving memory so that a step does not allocate;
     /// not a hard limit.
-    [[nodiscard]] std::size_t expected_count() const { return 2 * movers_.size() + edges_.size(); }
+    [[nodiscard]] std::size_t expected_count() const {
+        return movers_.size() + surface_.particles.size() + surface_.edges.size() +
+               3 * surface_.triangles.size();
+    }
     /// Whether contact `number` is with the blade.
-    [[nodiscard]] bool is_with_blade(std::size_t number) const { return obstacle_[number] < shell_obstacle; }
+    [[nodiscard]] bool is_with_blade(std::size_t number) const {
+        return (key_[number] & 0xff) < shell_obstacle;
+    }
 
   private:
     static constexpr std::uint8_t shell_obstacle = 3;  // lower values: capsule index
@@ -58,17 +74,17 @@ class TongueContacts {
         Vec3f force, slip;
     };
     /// The contact's state in the last step; nullptr for a new contact.
-    [[nodiscard]] const PreviousContact* find_previous(const pbd::MeshContact& contact,
-                                                       std::uint8_t obstacle) const;
-    /// Adds a contact that touches now or did in the last step; its `slip` is that of this step so far.
-    void add(const pbd::MeshContact& contact, std::uint8_t obstacle);
+    [[nodiscard]] const PreviousContact* find_previous(std::uint64_t key) const;
+    /// Adds a contact of a feature (numbered over movers, then the surface) that touches now or did in the
+    /// last step; its `slip` is that of this step so far.
+    void add(const pbd::MeshContact& contact, std::size_t feature, std::uint8_t obstacle);
 
     std::vector<std::uint32_t> movers_;  // particle indices, ascending
-    std::vector<Edge> edges_;
-    ShellClearance clearance_;            // [movers]
-    std::vector<PreviousContact> last_;   // [contacts of the last call], sorted by key
-    std::vector<pbd::MeshContact> now_;   // [contacts]
-    std::vector<std::uint8_t> obstacle_;  // [contacts]: capsule index, or shell_obstacle
+    Surface surface_;
+    ShellClearance clearance_;           // [movers]
+    std::vector<PreviousContact> last_;  // [contacts of the last call], sorted by key
+    std::vector<pbd::MeshContact> now_;  // [contacts]
+    std::vector<std::uint64_t> key_;     // [contacts]: feature and obstacle
 };
 
 }  // namespace eti::scene

@@ -5,22 +5,29 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "common/math/transform.hpp"
 #include "server/pbd/contact/friction.hpp"
 
 namespace eti::pbd {
 
-/// A point of a mesh that may touch an obstacle: a particle, or a point on the edge between two. Its force is
-/// a multiplier that persists from step to step (augmented Lagrangian, Alart & Curnier 1991). At equilibrium
+/// A point of a mesh that may touch an obstacle: a particle, or a point on an edge or face; or a particle
+/// that may touch a point within another part of the mesh, whose corners have negative shares. Its force is a
+/// multiplier that persists from step to step (augmented Lagrangian, Alart & Curnier 1991). At equilibrium
 /// the point lies on the obstacle and the force is the material's reaction, whatever the stiffness. Contact
 /// ends without switching, as the force goes to zero.
 struct MeshContact {
-    std::array<std::uint32_t, 2> particle = {};  ///< ends of the edge; equal: a single particle
-    float along = 0.0f;                          ///< position on the edge, from the first (0) to the second
-                                                 ///< (1)
-    Vec3f normal = Vec3f::UnitY();               ///< unit, out of the obstacle
-    float gap = 0.0f;                            ///< [m], at the predicted position; negative inside
+    static constexpr std::size_t max_corners = 5;
+
+    std::array<std::uint32_t, max_corners> particle = {};  ///< the first `corners` are used
+    std::array<float, max_corners> share = {1.0f};         ///< their weights, which sum to 1, or to 0
+                                                           ///< within the mesh
+    std::uint8_t corners = 1;
+    bool within_mesh = false;
+    float damping = 0.0f;           ///< of its displacement, in `stiffness`; changes no equilibrium
+    Vec3f normal = Vec3f::UnitY();  ///< unit, out of the obstacle
+    float gap = 0.0f;               ///< [m], at the predicted position; negative inside
     /// [m], tangential displacement of the predicted position from where the point stuck; updated by each
     /// step.
     Vec3f slip = Vec3f::Zero();
@@ -28,11 +35,24 @@ struct MeshContact {
     /// [N], of the obstacle on the point; result of a step and initial value of the next.
     Vec3f force = Vec3f::Zero();
     float stiffness = 0.0f;  ///< [N/m], penalty of the multiplier; set from the mesh
+    /// Of the penalty of a point that stands for a particle's whole surface; less where several points do.
+    float area_share = 1.0f;
 
-    [[nodiscard]] bool is_edge() const { return particle[0] != particle[1]; }
-    [[nodiscard]] std::array<float, 2> shares() const {
-        return is_edge() ? std::array{1.0f - along, along} : std::array{1.0f, 0.0f};
+    [[nodiscard]] static MeshContact at_particle(std::uint32_t index) {
+        MeshContact contact;
+        contact.particle[0] = index;
+        return contact;
     }
+    /// A point on the edge between two particles, from the first (0) to the second (1).
+    [[nodiscard]] static MeshContact on_edge(std::uint32_t first, std::uint32_t second, float along) {
+        MeshContact contact;
+        contact.particle = {first, second};
+        contact.share = {1.0f - along, along};
+        contact.corners = 2;
+        return contact;
+    }
+    [[nodiscard]] std::span<const std::uint32_t> particles() const { return {particle.data(), corners}; }
+    [[nodiscard]] std::span<const float> shares() const { return {share.data(), corners}; }
     [[nodiscard]] Vec3f across(const Vec3f& displacement) const {
         return displacement - displacement.dot(normal) * normal;
     }
@@ -67,6 +87,8 @@ struct MeshContact {
                (sticks() ? Vec3f(back - stiffness * across(slip))
                          : Vec3f(static_cast<float>(friction.share(back.norm(), pressing)) * back));
     }
+    /// [N/m], of the held degrees of freedom within a step.
+    [[nodiscard]] float holding_stiffness() const { return stiffness * (1.0f + damping); }
     /// The degrees of freedom that the step constrains; used by the solver.
     enum class Held : std::uint8_t { nothing, normal, point };
     Held held = Held::nothing;

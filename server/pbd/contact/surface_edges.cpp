@@ -6,7 +6,7 @@
 
 namespace eti::pbd {
 
-std::vector<std::array<std::uint32_t, 2>> surface_edges(
+std::vector<std::array<std::uint32_t, 3>> surface_triangles(
     std::span<const std::array<std::uint32_t, 4>> tetrahedra) {
     // A face shared by two tetrahedra is interior.
     std::vector<std::array<std::uint32_t, 3>> faces;
@@ -19,14 +19,22 @@ std::vector<std::array<std::uint32_t, 2>> surface_edges(
         }
     }
     std::ranges::sort(faces);
-    std::vector<std::array<std::uint32_t, 2>> edges;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
     for (auto face = faces.begin(); face != faces.end();) {
         const auto next = std::find_if(face, faces.end(), [&](const auto& other) { return other != *face; });
         if (next - face == 1) {
-            const auto [a, b, c] = *face;
-            edges.insert(edges.end(), {{a, b}, {a, c}, {b, c}});
+            triangles.push_back(*face);
         }
         face = next;
+    }
+    return triangles;
+}
+
+std::vector<std::array<std::uint32_t, 2>> surface_edges(
+    std::span<const std::array<std::uint32_t, 4>> tetrahedra) {
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (const auto& [a, b, c] : surface_triangles(tetrahedra)) {
+        edges.insert(edges.end(), {{a, b}, {a, c}, {b, c}});
     }
     std::ranges::sort(edges);
     const auto repeated = std::ranges::unique(edges);

@@ -9,8 +9,12 @@
 
 namespace eti::pbd {
 
-/// Surface edges of a tetrahedral mesh: the edges of triangles that belong to one tetrahedron only. Pairs of
-/// particles, lower index first; ascending and unique.
+/// Surface triangles of a tetrahedral mesh, which belong to one tetrahedron only: corners ascending; the
+/// triangles, too.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 3>> surface_triangles(
+    std::span<const std::array<std::uint32_t, 4>> tetrahedra);
+
+/// The edges of these triangles: pairs of particles, lower index first; ascending and unique.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> surface_edges(
     std::span<const std::array<std::uint32_t, 4>> tetrahedra);
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "server/pbd/soft/hexahedron_modes.hpp"
+
 namespace eti::pbd {
 
 namespace {
@@ -16,12 +19,14 @@ constexpr float min_width = 1e-6f;    // [m]; for a mesh without volume
 }  // namespace
 
 void CoarseLevel::configure(std::span<const Eigen::Vector4f> rest, std::span<const float> inverse_mass,
-                            const Tetrahedra& mesh, float cell, float bulk_over_shear) {
+                            const Tetrahedra& tetrahedra, const Hexahedra& hexahedra, float cell,
+                            float bulk_over_shear) {
     stiffness_ = 1.0f;
-    const double cells = static_cast<double>(mesh.size()) / 6.0;
+    const double cells = static_cast<double>(tetrahedra.size() + 6 * hexahedra.size()) / 6.0;
     const auto wider = static_cast<float>(std::max(std::cbrt(cells / cells_filled), min_cells));
     number_nodes(rest, inverse_mass, std::max(wider * cell, min_width));
-    add_tetrahedra(mesh, 1.0f + bulk_over_shear);
+    add_tetrahedra(tetrahedra, 1.0f + bulk_over_shear);
+    add_hexahedra(hexahedra, 1.0f + bulk_over_shear);
     matrix_.setZero();
     for (std::uint32_t k = 0; k < inverse_mass.size(); ++k) {
         if (inverse_mass[k] > 0.0f) {
@@ -62,10 +67,10 @@ void CoarseLevel::number_nodes(std::span<const Eigen::Vector4f> rest, std::span<
     factor_.compute(Eigen::MatrixXf::Identity(nodes, nodes));  // allocates memory
 }
 
-void CoarseLevel::add_tetrahedra(const Tetrahedra& mesh, float times) {
-    for (std::size_t n = 0; n < mesh.colours() * Tetrahedra::lanes; ++n) {
+void CoarseLevel::add_tetrahedra(const Tetrahedra& tetrahedra, float times) {
+    for (std::size_t n = 0; n < tetrahedra.colours() * Tetrahedra::lanes; ++n) {
         const std::size_t lane = n % Tetrahedra::lanes;
-        for (const Tetrahedra::Block& block : mesh.blocks(n / Tetrahedra::lanes)) {
+        for (const Tetrahedra::Block& block : tetrahedra.blocks(n / Tetrahedra::lanes)) {
             if (block.inverse_determinant[lane] == 0.0f) {
                 continue;  // flat, or padding only
             }
@@ -81,6 +86,34 @@ void CoarseLevel::add_tetrahedra(const Tetrahedra& mesh, float times) {
                 add_product(elastic_, place_[block.corner[k / 4][lane] / 4],
                             place_[block.corner[k % 4][lane] / 4],
                             energy(static_cast<Eigen::Index>(k / 4), static_cast<Eigen::Index>(k % 4)));
+            }
+        }
+    }
+}
+
+void CoarseLevel::add_hexahedra(const Hexahedra& hexahedra, float times) {
+    for (std::size_t n = 0; n < hexahedra.colours() * Hexahedra::lanes; ++n) {
+        const std::size_t lane = n % Hexahedra::lanes;
+        for (const Hexahedra::Block& block : hexahedra.blocks(n / Hexahedra::lanes)) {
+            if (block.inverse_determinant[lane] == 0.0f) {
+                continue;  // flat, or padding only
+            }
+            // Shear of the mean edges; hourglass modes are shorter than a lattice cell.
+            for (unsigned v = 0; v < 8; ++v) {
+                for (unsigned w = 0; w < 8; ++w) {
+                    constexpr std::size_t at[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+                    float product = 0.0f;
+                    for (std::size_t k = 0; k < 9; ++k) {
+                        const auto row = static_cast<unsigned>(k / 3);
+                        const auto column = static_cast<unsigned>(k % 3);
+                        product += static_cast<float>(hexahedron_sign(1u << row, v) *
+                                                      hexahedron_sign(1u << column, w)) *
+                                   block.metric[at[row][column]][lane];
+                    }
+                    add_product(elastic_, place_[block.corner[v][lane] / 4],
+                                place_[block.corner[w][lane] / 4],
+                                times * block.stiffness[lane] * product / 16.0f);
+                }
             }
         }
     }
@@ -104,15 +137,52 @@ void CoarseLevel::add_spring(std::uint32_t corner, float stiffness) {
     add_product(matrix_, place_[corner], place_[corner], stiffness);
 }
 
-void CoarseLevel::add_spring(const std::array<std::uint32_t, 2>& corners, const std::array<float, 2>& shares,
+void CoarseLevel::add_spring(std::span<const std::uint32_t> corners, std::span<const float> shares,
                              float stiffness) {
-    const Place& p = place_[corners[0]];
-    const Place& q = place_[corners[1]];
-    add_product(matrix_, p, p, stiffness * shares[0] * shares[0]);
-    if (shares[1] != 0.0f) {
-        add_product(matrix_, p, q, stiffness * shares[0] * shares[1]);
-        add_product(matrix_, q, p, stiffness * shares[0] * shares[1]);
-        add_product(matrix_, q, q, stiffness * shares[1] * shares[1]);
+    if (corners.size() > 2) {
+        add_joined(corners, shares, stiffness);
+        return;
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Place& p = place_[corners[i]];
+        add_product(matrix_, p, p, stiffness * shares[i] * shares[i]);
+        for (std::size_t k = i + 1; k < corners.size(); ++k) {
+            const Place& q = place_[corners[k]];
+            const float both = stiffness * shares[i] * shares[k];
+            add_product(matrix_, p, q, both);
+            add_product(matrix_, q, p, both);
+        }
+    }
+}
+
+void CoarseLevel::add_joined(std::span<const std::uint32_t> corners, std::span<const float> shares,
+                             float stiffness) {
+    // Corners of an element have most of their nodes in common.
+    std::array<std::uint32_t, max_joined> node{};
+    std::array<float, max_joined> weight{};
+    std::size_t count = 0;
+    for (std::size_t e = 0; e < corners.size(); ++e) {
+        const Place& p = place_[corners[e]];
+        for (std::size_t n = 0; n < support; ++n) {
+            if (p.weight[n] == 0.0f) {
+                continue;
+            }
+            std::size_t at = 0;
+            while (at < count && node[at] != p.node[n]) {
+                ++at;
+            }
+            if (at == count) {
+                node[count] = p.node[n];
+                weight[count++] = 0.0f;
+            }
+            weight[at] += shares[e] * p.weight[n];
+        }
+    }
+    for (std::size_t j = 0; j < count; ++j) {
+        float* const column = matrix_.data() + std::size_t{node[j]} * size();
+        for (std::size_t i = 0; i < count; ++i) {
+            column[node[i]] += stiffness * weight[j] * weight[i];
+        }
     }
 }
 

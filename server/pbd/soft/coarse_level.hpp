@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "common/math/transform.hpp"
+#include "server/pbd/contact/mesh_contact.hpp"
 #include "server/pbd/lanes.hpp"
+#include "server/pbd/soft/hexahedra.hpp"
 #include "server/pbd/soft/tetrahedra.hpp"
 
 namespace eti::pbd {
@@ -27,18 +29,18 @@ class CoarseLevel {
     using Wide = std::vector<Eigen::Vector4f>;
 
     /// `rest` [corners][m]; corners with inverse mass 0 [1/kg] stay fixed. `cell` [m]: width of the mesh's
-    /// cells. `bulk_over_shear`: lambda over mu. Uses the current stiffness of `mesh`.
+    /// cells. `bulk_over_shear`: lambda over mu. Uses the current stiffness of the elements.
     void configure(std::span<const Eigen::Vector4f> rest, std::span<const float> inverse_mass,
-                   const Tetrahedra& mesh, float cell, float bulk_over_shear);
+                   const Tetrahedra& tetrahedra, const Hexahedra& hexahedra, float cell,
+                   float bulk_over_shear);
     /// Sets the mean ratio of the mesh's moduli to those at configure().
     void set_stiffness(float times) { stiffness_ = times; }
 
     /// Starts a step's matrix with mass / dt^2, `per_mass` [1/s^2].
     void begin(float per_mass);
-    /// Adds a spring [N/m] at a corner, or at a point between two corners with these weights.
+    /// Adds a spring [N/m] at a corner, or at a point between corners with these weights.
     void add_spring(std::uint32_t corner, float stiffness);
-    void add_spring(const std::array<std::uint32_t, 2>& corners, const std::array<float, 2>& shares,
-                    float stiffness);
+    void add_spring(std::span<const std::uint32_t> corners, std::span<const float> shares, float stiffness);
     void factorise();
 
     /// [nodes]; three of the four numbers are used.
@@ -68,6 +70,7 @@ class CoarseLevel {
 
   private:
     static constexpr std::size_t support = 8;
+    static constexpr std::size_t max_joined = support * MeshContact::max_corners;
     /// Nodes around a corner and their weights; all zero for a fixed corner.
     struct Place {
         std::array<std::uint32_t, support> node{};
@@ -76,7 +79,10 @@ class CoarseLevel {
 
     void number_nodes(std::span<const Eigen::Vector4f> rest, std::span<const float> inverse_mass,
                       float width);
-    void add_tetrahedra(const Tetrahedra& mesh, float times);
+    void add_tetrahedra(const Tetrahedra& tetrahedra, float times);
+    void add_hexahedra(const Hexahedra& hexahedra, float times);
+    /// As add_spring(), with the corners' nodes joined first.
+    void add_joined(std::span<const std::uint32_t> corners, std::span<const float> shares, float stiffness);
     /// Adds a stiffness between two corners, projected to their nodes.
     void add_product(Eigen::MatrixXf& to, const Place& p, const Place& q, float times);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/pbd/particles.hpp"
+#include "server/pbd/soft/element_order.hpp"
 
 namespace eti::pbd {
 
@@ -25,6 +26,9 @@ class Tetrahedra {
     /// Sorts along a space-filling curve and colours, so that the order of solution depends on rest
     /// positions, not on the order of particles or tetrahedra.
     void configure(const Description& description, const Particles& particles);
+    /// The same as part of a mesh with other elements, whose corners are numbered together.
+    void configure(const Description& description, const Particles& particles,
+                   const CornerNumbering& numbering);
 
     /// Adopts `particles.rest` as the new unloaded shape (after a change of posture).
     void set_rest(const Particles& particles);
@@ -36,6 +40,8 @@ class Tetrahedra {
     /// [corners]: particle indices.
     [[nodiscard]] std::span<const std::uint32_t> particles() const { return used_; }
     [[nodiscard]] std::size_t colours() const { return first_block_.empty() ? 0 : first_block_.size() - 1; }
+    /// Sum of the rest volumes [m^3].
+    [[nodiscard]] double volume() const;
 
     static constexpr std::size_t lanes = 8;
     /// Eight tetrahedra without common particles. Lanes that fill up a colour's last block have corners of

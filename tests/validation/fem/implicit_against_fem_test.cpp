@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
 #include "tests/validation/fem/static_solver.hpp"
 
@@ -24,7 +24,7 @@ constexpr float implicit_dt = 1.0f / 180.0f;
 struct Block {
     test::TetrahedralLattice lattice = test::tetrahedral_lattice(8, 4, 4, implicit_cell);
     pbd::Particles particles;
-    pbd::ImplicitTetrahedra mesh;
+    pbd::ImplicitMesh mesh;
 
     /// `held` decides by rest position whether a particle is fixed.
     template <class Held>
@@ -132,7 +132,7 @@ struct PressedBlock {
         std::vector<pbd::MeshContact> now;
         for (const std::uint32_t i : bottom) {
             pbd::MeshContact c;
-            c.particle = {i, i};
+            c.particle = {i};
             c.normal = Vec3f::UnitZ();
             c.gap = p.predicted[i].z() - depth;
             c.slip = c.across(p.predicted[i] - p.position[i] - Vec3f(speed * implicit_dt, 0.0f, 0.0f));

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/random.hpp"
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "tests/support/tetrahedral_body.hpp"
 
 namespace eti {
@@ -50,7 +50,7 @@ double departure(const Eigen::Matrix3d& gradient, float poisson_ratio) {
             p.inverse_mass[i] = 0.0f;
         }
     }
-    pbd::ImplicitTetrahedra mesh;
+    pbd::ImplicitMesh mesh;
     const std::vector<float> moduli(body.lattice.tetrahedra.size(), patch_modulus);
     mesh.configure({body.lattice.tetrahedra, moduli, poisson_ratio}, p, p.inverse_mass);
     constexpr float dt = 1.0f / 180.0f;

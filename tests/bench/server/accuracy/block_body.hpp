@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/pbd/soft/cluster_calibration.hpp"
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/shape_matching.hpp"
 #include "tests/bench/server/accuracy/xpbd_tetrahedra.hpp"
 #include "tests/support/lattice_clusters.hpp"
@@ -108,7 +108,7 @@ class BlockBody {
     /// of the load. Not for the implicit method, which needs all forces before it solves:
     std::function<void(pbd::Particles&, double, double)> contact;
     /// before and after a solve; with the substep [s].
-    std::function<void(pbd::ImplicitTetrahedra&, const pbd::Particles&, double)> before_solve, after_solve;
+    std::function<void(pbd::ImplicitMesh&, const pbd::Particles&, double)> before_solve, after_solve;
 
     /// Before every step, if set: returns the number of substeps.
     std::function<int()> cut;
@@ -137,7 +137,7 @@ class BlockBody {
     std::vector<Held> held_;
     pbd::ShapeMatching shapes_;
     XpbdTetrahedra tetrahedra_;
-    pbd::ImplicitTetrahedra implicit_;
+    pbd::ImplicitMesh implicit_;
     test::MassSprings springs_;
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/app/run/simulation.hpp"
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "tests/bench/server/accuracy/accuracy_table.hpp"
 #include "tests/bench/server/accuracy/block_cases.hpp"
 #include "tests/bench/server/accuracy/lift_reference.hpp"
@@ -68,8 +68,8 @@ void lift_tongue(AccuracyTable& table, bool quick) {
     add_rows(TissueMethod::clusters, Method::clusters_for_tongue, 1,
              quick ? shipped : std::vector{8, 16, 24});
     // Substeps of the surroundings.
-    add_rows(TissueMethod::implicit, Method::tetrahedra_implicit,
-             pbd::ImplicitTetrahedra::Settings{}.iterations, quick ? shipped : std::vector{4, 8, 16});
+    add_rows(TissueMethod::implicit, Method::tetrahedra_implicit, pbd::ImplicitMesh::Settings{}.iterations,
+             quick ? shipped : std::vector{4, 8, 16});
     for (const Row& row : rows) {
         scenario.physics.tissue_method = row.tissue;
         scenario.physics.substeps = row.substeps;

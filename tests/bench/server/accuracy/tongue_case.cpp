@@ -11,7 +11,7 @@
 #include "server/patient/model/skeleton.hpp"
 #include "server/pbd/contact/contact.hpp"
 #include "server/pbd/soft/cluster_calibration.hpp"
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/soft_body.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/bench/server/accuracy/accuracy_table.hpp"
@@ -174,9 +174,9 @@ Capsule blade_at(const Tongue& tongue, double depth, double share) {
 }
 
 /// One solve per step, with the blade's contacts included.
-Pressed by_implicit_tetrahedra(const Tongue& tongue, double depth, int iterations, double youngs_modulus) {
+Pressed by_implicit_mesh(const Tongue& tongue, double depth, int iterations, double youngs_modulus) {
     pbd::Particles p = particles_of(tongue);
-    pbd::ImplicitTetrahedra mesh;
+    pbd::ImplicitMesh mesh;
     mesh.configure(mesh_of(tongue, youngs_modulus), p, p.inverse_mass);
     mesh.settings.iterations = iterations;
     std::vector<bool> meshed(p.size(), false);
@@ -200,7 +200,7 @@ Pressed by_implicit_tetrahedra(const Tongue& tongue, double depth, int iteration
             const float distance = away.norm();
             if (distance < blade.radius || !force[i].isZero(0.0f)) {
                 pbd::MeshContact& c = mesh.contacts.emplace_back();
-                c.particle = {i, i};
+                c.particle = {i};
                 c.normal = away / distance;
                 c.gap = distance - blade.radius;
                 c.force = force[i];
@@ -376,7 +376,7 @@ void press_tongue(AccuracyTable& table, Table& forces, bool quick) {
             double frame_ms = 0.0;
             for (std::size_t k = 0; k < depths.size(); ++k) {
                 const Pressed found = method == Method::tetrahedra_implicit
-                                          ? by_implicit_tetrahedra(tongue, depths[k], iterations, modulus)
+                                          ? by_implicit_mesh(tongue, depths[k], iterations, modulus)
                                           : press_by_particles(tongue, depths[k], method, substeps, modulus);
                 force += std::pow(found.force / expected[k].force - 1.0, 2);
                 shape += std::pow(difference(tongue, found, expected[k]), 2);

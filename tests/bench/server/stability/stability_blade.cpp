@@ -91,18 +91,18 @@ class SceneContact {
         std::erase_if(edges, [&](const auto& ends) {
             return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
         });
-        contacts_.configure(std::move(movers), std::move(edges));
+        contacts_.configure(movers, {.particles = movers, .edges = std::move(edges), .triangles = {}});
         nothing_.size = {2, 2, 2};
         nothing_.value.assign(8, 1.0f);
     }
 
-    void find(pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, const RigidTransform& from,
+    void find(pbd::ImplicitMesh& mesh, const pbd::Particles& p, const RigidTransform& from,
               const RigidTransform& to) {
         contacts_.find(p, {scope_, from, to}, {nothing_, 1}, mesh.contacts);
     }
 
     /// [N], of the tissue on the blade, upwards.
-    [[nodiscard]] static double reaction(const pbd::ImplicitTetrahedra& mesh) {
+    [[nodiscard]] static double reaction(const pbd::ImplicitMesh& mesh) {
         double sum = 0.0;
         for (const pbd::MeshContact& c : mesh.contacts) {
             sum -= static_cast<double>(c.force.z());
@@ -139,7 +139,7 @@ RecoveryResult drive(const BodySettings& setting, bool cut, const Push& push) {
             return solves;
         };
     }
-    body.before_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, double dt) {
+    body.before_solve = [&](pbd::ImplicitMesh& mesh, const pbd::Particles& p, double dt) {
         time += dt;
         if (!cut) {
             blade.advance(time, dt, reaction);
@@ -147,7 +147,7 @@ RecoveryResult drive(const BodySettings& setting, bool cut, const Push& push) {
         }
         contact.find(mesh, p, blade.pose(double(solved) / solves), blade.pose((solved + 1.0) / solves));
     };
-    body.after_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles&, double) {
+    body.after_solve = [&](pbd::ImplicitMesh& mesh, const pbd::Particles&, double) {
         felt = (solved == 0 ? 0.0 : felt) + SceneContact::reaction(mesh) / solves;
         reaction = ++solved == solves ? felt : reaction;
     };

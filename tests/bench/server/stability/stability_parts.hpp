@@ -61,7 +61,7 @@ inline constexpr double light_damping = 12.0;
             .cell = 2.5e-3,
             .substeps = 1,
             .iterations =
-                method == Method::tetrahedra_implicit ? pbd::ImplicitTetrahedra::Settings{}.iterations : 1,
+                method == Method::tetrahedra_implicit ? pbd::ImplicitMesh::Settings{}.iterations : 1,
             .step = 1.0 / rate,
             .youngs_modulus = youngs_modulus,
             .damping = light_damping};

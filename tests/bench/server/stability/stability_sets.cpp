@@ -154,7 +154,7 @@ RecoveryResult links_against_body(Method method, double rate, float stiffness) {
     double time = 0.0;
     double thrown = 0.0;
     RecoveryTracker tracker(set_side, sets_watched);
-    body.before_solve = [&](pbd::ImplicitTetrahedra& mesh, const pbd::Particles& p, double) {
+    body.before_solve = [&](pbd::ImplicitMesh& mesh, const pbd::Particles& p, double) {
         mesh.springs.clear();
         for (const std::size_t i :
              time < 0.5 * sets_watched ? std::span(corners) : std::span<std::size_t>()) {

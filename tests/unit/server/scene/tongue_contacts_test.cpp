@@ -28,7 +28,7 @@ class EdgeUnderBlade : public ::testing::Test {
         nothing.size = {2, 2, 2};
         nothing.value.assign(8, 1.0f);
         TongueContacts contacts;
-        contacts.configure({0, 1}, {{0, 1}});
+        contacts.configure({0, 1}, {.particles = {0, 1}, .edges = {{0, 1}}, .triangles = {}});
         std::vector<pbd::MeshContact> found;
         contacts.find(particles, {scope, {}, {}}, {nothing, 1}, found);
         return found;
@@ -39,8 +39,8 @@ TEST_F(EdgeUnderBlade, ContactIsFoundForAnyEdgeLength) {
     for (const float half_length : {5e-3f, 8e-3f, 12e-3f, 30e-3f}) {
         const std::vector<pbd::MeshContact> found = met(half_length, 2e-3f);
         ASSERT_EQ(found.size(), 1u) << half_length;
-        EXPECT_TRUE(found[0].is_edge());
-        EXPECT_NEAR(found[0].along, 0.5f, 1e-5f);
+        EXPECT_EQ(found[0].corners, 2);
+        EXPECT_NEAR(found[0].share[1], 0.5f, 1e-5f);
         EXPECT_NEAR(found[0].gap, 2e-3f - radius - ball, 1e-7f);
         EXPECT_NEAR(found[0].normal.y(), -1.0f, 1e-5f);
     }

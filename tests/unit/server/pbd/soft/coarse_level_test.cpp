@@ -29,7 +29,7 @@ struct Bar {
             rest.emplace_back(x.x(), x.y(), x.z(), 0.0f);
             inverse_mass.push_back(held && x.z() < 1e-6f ? 0.0f : body.particles.inverse_mass[i]);
         }
-        level.configure(rest, inverse_mass, body.tetrahedra, cell, 9.0f);
+        level.configure(rest, inverse_mass, body.tetrahedra, {}, cell, 9.0f);
         residual.assign(rest.size(), Eigen::Vector4f::Zero());
     }
 

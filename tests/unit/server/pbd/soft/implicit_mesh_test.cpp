@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ constexpr float implicit_dt = 1.0f / 180.0f;
 /// A block of tissue, 8 kPa, advanced by one solve per step.
 struct Block {
     test::TetrahedralBody body;
-    ImplicitTetrahedra mesh;
+    ImplicitMesh mesh;
 
     explicit Block(test::TetrahedralLattice lattice, bool held = false)
         : body(std::move(lattice), 8e3f, 0.45f) {
@@ -75,7 +75,7 @@ double farthest_from_rest(const Particles& p) {
     return most;
 }
 
-TEST(ImplicitTetrahedra, RestStateIsStationary) {
+TEST(ImplicitMesh, RestStateIsStationary) {
     // Elements compute strains from differences of coordinates of 1 cm in floats: 1e-9 m of a cell of 2.5 mm,
     // and a body of ten cells may lean by as much in each.
     Block block(small_block(), true);
@@ -85,7 +85,7 @@ TEST(ImplicitTetrahedra, RestStateIsStationary) {
     EXPECT_LT(farthest_from_rest(block.particles()), 1e-8);
 }
 
-TEST(ImplicitTetrahedra, FreeFallMatchesImplicitEuler) {
+TEST(ImplicitMesh, FreeFallMatchesImplicitEuler) {
     // Weight only: after n steps n (n + 1) / 2 g dt^2, once the iterations converge.
     Block block(small_block());
     block.mesh.settings.iterations = 200;
@@ -101,7 +101,7 @@ TEST(ImplicitTetrahedra, FreeFallMatchesImplicitEuler) {
     }
 }
 
-TEST(ImplicitTetrahedra, CrumpledBlockRecovers) {
+TEST(ImplicitMesh, CrumpledBlockRecovers) {
     // A third of a cell in each direction inverts many tetrahedra.
     Block block(small_block(), true);
     crumple(block.particles(), 0.8e-3f);
@@ -111,7 +111,7 @@ TEST(ImplicitTetrahedra, CrumpledBlockRecovers) {
     EXPECT_LT(farthest_from_rest(block.particles()), 1e-4);  // a hundredth of the block
 }
 
-TEST(ImplicitTetrahedra, LongBodyNeedsNoExtraIterations) {
+TEST(ImplicitMesh, LongBodyNeedsNoExtraIterations) {
     // A bar of 60 mm, held at one end and pulled at the other. An iteration propagates forces from neighbour
     // to neighbour, over 24 cells; with the particles' own blocks as preconditioner alone, eight of them
     // leave three quarters of the error.
@@ -138,7 +138,7 @@ TEST(ImplicitTetrahedra, LongBodyNeedsNoExtraIterations) {
     EXPECT_LT(std::sqrt(apart / way), 0.1);
 }
 
-TEST(ImplicitTetrahedra, EdgeContactActsAtBarycentricPoint) {
+TEST(ImplicitMesh, EdgeContactActsAtBarycentricPoint) {
     // The impulse acts on the whole, and three quarters of its force on the near end. Converged conjugate
     // gradients keep the elements' forces in balance: 200 iterations for 100 particles.
     Block block(small_block());
@@ -179,7 +179,7 @@ bool same_bits(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3f)) == 0;
 }
 
-TEST(ImplicitTetrahedra, SameBitsForAnyThreadsAndInstructionSet) {
+TEST(ImplicitMesh, SameBitsForAnyThreadsAndInstructionSet) {
     const std::vector<Vec3f> expected = test::with_threads(1, [] { return shaken(true); });
     for (const std::size_t threads : {2, 8}) {
         EXPECT_TRUE(same_bits(test::with_threads(threads, [] { return shaken(true); }), expected)) << threads;
@@ -187,7 +187,7 @@ TEST(ImplicitTetrahedra, SameBitsForAnyThreadsAndInstructionSet) {
     EXPECT_TRUE(same_bits(shaken(false), expected));
 }
 
-TEST(ImplicitTetrahedra, SolveDoesNotAllocate) {
+TEST(ImplicitMesh, SolveDoesNotAllocate) {
     Block block(small_block(), true);
     block.step(Vec3f(0, 0, -9.81f), 12.0f);
     Particles& p = block.particles();

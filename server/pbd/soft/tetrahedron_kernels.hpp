@@ -3,12 +3,12 @@
 #pragma once
 
 #include "server/pbd/lanes.hpp"
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/neo_hookean.hpp"
 
 namespace eti::pbd {
 
-// Kernels of ImplicitTetrahedra for eight elements at a time; equations: implicit_tetrahedra.hpp.
+// Kernels of ImplicitMesh for eight elements at a time; equations: implicit_mesh.hpp.
 
 /// Four numbers per corner, indexed as in Tetrahedra::Block.
 struct ImplicitSums {
@@ -50,14 +50,14 @@ struct ImplicitSums {
 }
 
 [[gnu::always_inline]] inline void linearise_blocks(const Tetrahedra::Block* blocks,
-                                                    ImplicitTetrahedra::Element* elements, std::size_t count,
+                                                    ImplicitMesh::Element* elements, std::size_t count,
                                                     const float* wide, const ImplicitSums& sums,
                                                     float ratio) {
     constexpr float below_one = 0.999f;  // fraction of what the largest stretch allows
     const Lanes none{};
     for (std::size_t n = 0; n < count; ++n) {
         const Tetrahedra::Block& b = blocks[n];
-        ImplicitTetrahedra::Element& e = elements[n];
+        ImplicitMesh::Element& e = elements[n];
         Lanes x[4][3];
         Lanes unused;
         for (int v = 0; v < 4; ++v) {
@@ -124,12 +124,12 @@ struct ImplicitSums {
 
 /// Adds K times `from`, over these elements, to `to`.
 [[gnu::always_inline]] inline void apply_blocks(const Tetrahedra::Block* blocks,
-                                                const ImplicitTetrahedra::Element* elements,
-                                                std::size_t count, const float* from, float* to) {
+                                                const ImplicitMesh::Element* elements, std::size_t count,
+                                                const float* from, float* to) {
     const Lanes none{};
     for (std::size_t n = 0; n < count; ++n) {
         const Tetrahedra::Block& b = blocks[n];
-        const ImplicitTetrahedra::Element& e = elements[n];
+        const ImplicitMesh::Element& e = elements[n];
         Lanes x[4][3];
         Lanes unused;
         for (int v = 0; v < 4; ++v) {

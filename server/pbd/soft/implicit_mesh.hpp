@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -9,16 +10,17 @@
 
 #include "server/pbd/contact/mesh_contact.hpp"
 #include "server/pbd/soft/coarse_level.hpp"
+#include "server/pbd/soft/hexahedra.hpp"
 #include "server/pbd/soft/tetrahedra.hpp"
 
 namespace eti::pbd {
 
-/// A tetrahedral mesh of stable neo-Hookean material (see neo_hookean.hpp), advanced by implicit Euler, which
-/// XPBD's passes approach only with ever shorter substeps. A step minimises
+/// A mesh of stable neo-Hookean tetrahedra (see neo_hookean.hpp) and hexahedra (see hexahedron_kernels.hpp),
+/// advanced by implicit Euler, which XPBD's passes approach only with ever shorter substeps. A step minimises
 ///     1/(2 dt^2) (x - x~)^T M (x - x~) + Psi(x),   x~ = position + dt velocity
 /// by one Newton step from the last position. It is solved by a fixed number of matrix-free conjugate
 /// gradient iterations, preconditioned by the particles' 3x3 diagonal blocks and a coarse level (see
-/// CoarseLevel). With the element's P = sum p_v Q_v (rows of Q)
+/// CoarseLevel). With a tetrahedron's P = sum p_v Q_v (rows of Q)
 ///     K P = mu V (f P Q Q^T + (H : P) H / r + s dcof[P]),  H = det Q cof D,  s = (J - 1 - r) / r,
 /// r = mu / lambda. s is clamped so that every element's matrix stays positive definite: dcof's eigenvalues
 /// are at most the largest stretch, whose square is bounded by (I1 + 2 sqrt(I1^2 - 3 I2)) / 3, exact at rest.
@@ -28,15 +30,25 @@ namespace eti::pbd {
 /// errors in time but not at rest, unlike an inertial initial guess under a constant load. An unsupported
 /// body therefore falls slowly and bounces on contacts: the method is for supported, overdamped bodies.
 /// Gradients: Macklin & Müller 2021; energy: Smith, de Goes & Kim 2018.
-class ImplicitTetrahedra {
+class ImplicitMesh {
   public:
     struct Settings {
         int iterations = 8;  ///< of conjugate gradients; cost grows linearly
         /// Contact stiffness relative to the particles' own. Contact forces converge within a few steps; at
         /// three times this, a tongue of 1 mm oscillates between blade and jaw.
         float contact_stiffness_scale = 0.3f;
+        /// Growth of a hexahedron's hourglass stiffness with the mean square strain of its hourglass modes.
+        /// One volumetric term lets a corner in that is pushed alone. The largest value that changes the
+        /// force of a blade 5 mm in a block by less than 1 % (docs/solver/hexahedra.md).
+        float hourglass_hardening = 20.0f;
     };
     Settings settings;
+
+    /// Elements may share particles; either kind may be missing.
+    struct Description {
+        Tetrahedra::Description tetrahedra;
+        Hexahedra::Description hexahedra;
+    };
 
     /// A spring to a point that is fixed within a step.
     struct Spring {
@@ -44,16 +56,22 @@ class ImplicitTetrahedra {
         Vec3f to = Vec3f::Zero();
         float stiffness = 0.0f;  ///< [N/m]
     };
-    /// Both are filled by the caller; particles must be free corners.
+    /// All are filled by the caller; particles of springs must be free corners.
     std::vector<Spring> springs;
-    std::vector<MeshContact> contacts;
+    std::vector<MeshContact> contacts;       ///< with obstacles
+    std::vector<MeshContact> self_contacts;  ///< within the mesh
 
     /// `inverse_mass` [particles][1/kg]; particles with 0 follow `predicted`.
-    void configure(const Tetrahedra::Description& description, const Particles& particles,
+    void configure(const Description& description, const Particles& particles,
                    std::span<const float> inverse_mass);
+    void configure(const Tetrahedra::Description& tetrahedra, const Particles& particles,
+                   std::span<const float> inverse_mass) {
+        configure(Description{tetrahedra, {}}, particles, inverse_mass);
+    }
     /// As in Tetrahedra.
     void set_rest(const Particles& particles);
-    void set_youngs_modulus(std::span<const float> moduli);
+    /// Young's moduli [tetrahedra][Pa] and [hexahedra][Pa].
+    void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra = {});
 
     /// Advances `particles.predicted` by a step of `dt` [s] and updates the contact forces. On entry it holds
     /// the positions before the step (for held particles: the target positions). No particle moves farther
@@ -66,8 +84,9 @@ class ImplicitTetrahedra {
     void solve_linearised(Particles& particles, float dt);
 
     /// The particles that are corners, in the order of the corner indices below.
-    [[nodiscard]] std::span<const std::uint32_t> particles() const { return mesh_.particles(); }
-    [[nodiscard]] std::size_t size() const { return mesh_.size(); }
+    [[nodiscard]] std::span<const std::uint32_t> particles() const { return tetrahedra_.particles(); }
+    /// Number of elements.
+    [[nodiscard]] std::size_t size() const { return tetrahedra_.size() + hexahedra_.size(); }
     /// [1/kg]
     [[nodiscard]] float inverse_mass(std::size_t corner) const { return inverse_mass_[corner]; }
     /// Stiffness [N/m] of a single corner with all others fixed, at rest; mean over directions.
@@ -77,6 +96,16 @@ class ImplicitTetrahedra {
     /// way.
     void use_avx2(bool wanted) { avx2_ = wanted; }
 
+    /// Linearisation of eight hexahedra.
+    struct alignas(32) HexahedronElement {
+        float metric[6][Hexahedra::lanes];    ///< mu V Q Q^T [N/m]
+        float edge[3][3][Hexahedra::lanes];   ///< [m], mean edges
+        float slope[6][3][Hexahedra::lanes];  ///< [m^2], gradient of the volume over det Q
+        float hourglass[Hexahedra::lanes];    ///< stiffness of hourglass modes over that of shear
+        float bulk[Hexahedra::lanes];         ///< lambda V det^2 Q [N/m^5]
+        float gradient[Hexahedra::lanes];     ///< 4/3 kappa mu V det^2 Q [N/m^5]
+        float pressure[Hexahedra::lanes];     ///< mu V s det Q, s clamped [N/m^2]
+    };
     /// Linearisation of eight tetrahedra.
     struct alignas(32) Element {
         float metric[6][Tetrahedra::lanes];   ///< mu V Q Q^T [N/m]
@@ -88,11 +117,12 @@ class ImplicitTetrahedra {
   private:
     using Wide = CoarseLevel::Wide;  // [corners], then padding of blocks
 
-    /// A spatially compact part of the tetrahedra that one task processes, and its contributions to its
+    /// A spatially compact part of the elements that one task processes, and its contributions to its
     /// corners. The partition depends on the mesh only.
     struct Part {
-        std::vector<std::array<std::uint32_t, 2>> blocks;  // ranges of the mesh's blocks
-        std::uint32_t first = 0, end = 0;                  // corners
+        // Ranges of blocks.
+        std::vector<std::array<std::uint32_t, 2>> tetrahedra, hexahedra;
+        std::uint32_t first = 0, end = 0;  // corners
         // Per corner: gradient and, fourth, the isotropic part of the diagonal; the rest of its diagonal
         // block: xx yy zz, yz zx xy; and the image of a direction.
         Wide gradient, square, mixed, image;
@@ -115,6 +145,7 @@ class ImplicitTetrahedra {
     void linearise_elements();
     void add_springs(const Particles& particles);
     void add_contacts();
+    void add_contact(MeshContact& contact);
     void conjugate_gradients();
     void invert_blocks(const Range& range);
     /// Applies the block preconditioner to the residual, and restricts the residual to the coarse level.
@@ -130,24 +161,31 @@ class ImplicitTetrahedra {
     void advance_contacts(float step_length);
     /// The constrained part of along_ at a contact.
     [[nodiscard]] Vec3f held_displacement(const MeshContact& contact) const;
-    [[nodiscard]] std::array<std::uint32_t, 2> corners_of(const MeshContact& contact) const {
-        return {corner_of_[contact.particle[0]], corner_of_[contact.particle[1]]};
+    /// Calls body(contact) for all contacts.
+    template <class Body>
+    void for_contacts(const Body& body) {
+        std::ranges::for_each(contacts, body);
+        std::ranges::for_each(self_contacts, body);
     }
+    /// Mean displacement of a contact's corners, by their shares.
+    [[nodiscard]] Vec3f displacement_of(const MeshContact& contact, const Wide& corners) const;
 
-    Tetrahedra mesh_;
+    Tetrahedra tetrahedra_;
+    Hexahedra hexahedra_;
     std::vector<Part> parts_;
     std::vector<Range> ranges_;
-    std::vector<Element> element_;                     // [blocks of the mesh]
-    std::vector<std::uint32_t> corner_of_;             // [particles]: corner index, or none
-    std::vector<float> inverse_mass_, own_stiffness_;  // [corners][1/kg], [corners][N/m]
-    float ratio_ = 1.0f;                               // mu / lambda
-    float longest_step_ = 0.0f;                        // [m]
+    std::vector<Element> tetrahedron_element_;                  // [blocks of tetrahedra]
+    std::vector<HexahedronElement> hexahedron_element_;         // [blocks of hexahedra]
+    std::vector<std::uint32_t> corner_of_;                      // [particles]: corner index, or none
+    std::vector<float> inverse_mass_, own_stiffness_;           // [corners][1/kg], [corners][N/m]
+    float tetrahedron_ratio_ = 1.0f, hexahedron_ratio_ = 1.0f;  // mu / lambda
+    float longest_step_ = 0.0f;                                 // [m]
     bool avx2_ = false;
     Wide rest_, x_, diagonal_, square_, mixed_, residual_, along_, moved_, step_;
     std::vector<Inverse> inverse_;  // [corners]
     CoarseLevel coarse_;
     CoarseLevel::Motion coarse_force_;
-    float configured_modulus_ = 0.0f;  // [Pa], sum over tetrahedra
+    float configured_modulus_ = 0.0f;  // [Pa], sum over elements
 };
 
 }  // namespace eti::pbd
