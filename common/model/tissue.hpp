@@ -49,8 +49,9 @@ enum class TissueMethod : std::uint8_t {
     clusters,  ///< shape matching with compliance throughout
     implicit,  ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load, solved to
                ///< convergence once per step; clusters elsewhere
+    hexahedra,  ///< tongue and epiglottis as one implicit mesh of 8-node hexahedra
 };
-inline constexpr std::array<std::string_view, 2> tissue_method_names = {"clusters", "implicit"};
+inline constexpr std::array<std::string_view, 3> tissue_method_names = {"clusters", "implicit", "hexahedra"};
 
 [[nodiscard]] constexpr std::string_view name_of(TissueMethod method) {
     return tissue_method_names[static_cast<std::size_t>(method)];

@@ -18,12 +18,14 @@ namespace {
 
 /// An XPBD tongue of earlier versions, `tetrahedra`, is read as implicit.
 TissueMethod tissue_method_of(YamlMap& physics, TissueMethod fallback) {
-    static constexpr std::array<std::string_view, 3> names = {"clusters", "implicit", "tetrahedra"};
+    static constexpr std::array<std::string_view, 4> names = {"clusters", "implicit", "hexahedra",
+                                                              "tetrahedra"};
     const std::size_t named = physics.choice(
         "tissue_method", static_cast<std::size_t>(fallback), names,
         "How soft tissue is computed. `implicit`: the tongue by neo-Hookean tetrahedra with a converged "
         "implicit step, all else by shape matching. `clusters`: everything by shape matching, which lets the "
-        "tongue be squeezed. `tetrahedra`, an XPBD tongue of earlier versions, is read as `implicit`");
+        "tongue be squeezed. `hexahedra`: tongue and epiglottis as one implicit mesh of nearly incompressible "
+        "hexahedra (under test). `tetrahedra`, an XPBD tongue of earlier versions, is read as `implicit`");
     if (named < tissue_method_names.size()) {
         return static_cast<TissueMethod>(named);
     }

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/scene/tissue.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <iterator>
@@ -36,6 +37,10 @@ float input_modulus_of(const patient::Patient& patient, std::uint32_t cluster, f
         .input_modulus;
 }
 
+// Of muscle and mucosa. Tetrahedra lock when nearly incompressible.
+constexpr float hexahedron_poisson_ratio = 0.49f;
+constexpr float tetrahedron_poisson_ratio = 0.45f;
+
 // [spacings] from a cluster's centre. Clusters reach farther, and a surface drawn with the mean of all
 // members does not follow a blade's dent (docs/decisions/skinning.md).
 constexpr float fitted_reach = 1.75f;
@@ -53,6 +58,19 @@ std::vector<std::uint32_t> members_about_middle(const patient::Patient& patient,
         return (set.rest[i] - middle).norm() <= reach * 2.0f * set.radius[i];
     });
     return near.size() < fewest_members ? std::vector(members.begin(), members.end()) : near;
+}
+
+/// Whether a point lies in a tetrahedron at rest, or at its border.
+bool lies_within(const std::vector<std::array<std::uint32_t, 4>>& solid, const std::vector<Vec3f>& rest,
+                 const Vec3f& point) {
+    constexpr float border = 1e-3f;
+    return std::ranges::any_of(solid, [&](const auto& corner) {
+        Eigen::Matrix3f edges;
+        edges << rest[corner[1]] - rest[corner[0]], rest[corner[2]] - rest[corner[0]],
+            rest[corner[3]] - rest[corner[0]];
+        const Vec3f share = edges.inverse() * (point - rest[corner[0]]);
+        return share.minCoeff() > -border && share.sum() < 1.0f + border;
+    });
 }
 
 /// The epiglottis as a chain that bends from stalk to tip; empty if it is a single cluster.
@@ -104,16 +122,21 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
     std::erase_if(surface_edges_, [&](const auto& ends) {
         return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
     });
-    pbd::Tetrahedra::Description mesh;
     std::vector<bool> meshed(set.size(), false);
-    if (method == TissueMethod::implicit) {
+    if (method != TissueMethod::clusters) {
         meshed_ = patient::tetrahedra_of(Tissue::tongue, patient);
+    }
+    if (method == TissueMethod::hexahedra) {
+        std::ranges::copy(patient::tetrahedra_of(Tissue::epiglottis, patient), std::back_inserter(meshed_));
+        cells_ = patient::cells_of(meshed_, patient);
+    } else {
         for (const std::uint32_t t : meshed_) {
-            mesh.tetrahedra.push_back(patient.tetrahedra.corners[t]);
-            mesh.youngs_modulus.push_back(patient.tetrahedra.youngs_modulus[t]);
-            for (const std::uint32_t i : mesh.tetrahedra.back()) {
-                meshed[i] = true;
-            }
+            cells_.tetrahedra.push_back(patient.tetrahedra.corners[t]);
+        }
+    }
+    for (const std::uint32_t t : meshed_) {
+        for (const std::uint32_t i : patient.tetrahedra.corners[t]) {
+            meshed[i] = true;
         }
     }
     // Clusters are needed for particles outside of tetrahedra and their neighbours; they also connect the
@@ -131,13 +154,20 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
     }
     body_.shapes.configure(held, p);
     p.inverse_mass = own;
-    if (method == TissueMethod::implicit) {
-        tongue_.configure(mesh, surface_edges_, p, substep);
+    if (method != TissueMethod::clusters) {
+        pbd::ImplicitMesh::Description mesh;
+        fill_moduli(patient.tissue_stiffness);
+        mesh.tetrahedra = {cells_.tetrahedra, tetrahedron_moduli_, tetrahedron_poisson_ratio};
+        mesh.hexahedra = {cells_.hexahedra, hexahedron_moduli_, hexahedron_poisson_ratio};
+        tongue_.configure(mesh, surface_of_mesh(meshed, method), p, substep);
+        if (method == TissueMethod::hexahedra) {
+            tongue_.keep_apart(solid());
+        }
     }
     fitted_.configure(description(fitted_clusters_, substep, fitted_reach), p);
     drawn_.configure(patient, meshed_);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
-    if (auto epiglottis = epiglottis_of(patient, held, p)) {
+    if (auto epiglottis = epiglottis_of(patient, held, p); epiglottis && method != TissueMethod::hexahedra) {
         body_.constraints.emplace_back(std::move(*epiglottis));
     }
 
@@ -149,6 +179,59 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
     cluster_posed_centre_.resize(clusters.size());
     pose(patient::pose_bones(patient.skeleton, {}));
     reset();
+}
+
+TongueContacts::Surface SoftTissue::surface_of_mesh(const std::vector<bool>& meshed,
+                                                    TissueMethod method) const {
+    TongueContacts::Surface surface;
+    std::vector<bool> on_triangle(meshed.size(), false);
+    if (method == TissueMethod::hexahedra) {
+        std::vector<std::array<std::uint32_t, 4>> tetrahedra;
+        for (const std::uint32_t t : meshed_) {
+            tetrahedra.push_back(patient_.tetrahedra.corners[t]);
+        }
+        surface.triangles = pbd::surface_triangles(tetrahedra);
+        for (const auto& triangle : surface.triangles) {
+            for (const std::uint32_t i : triangle) {
+                on_triangle[i] = true;
+            }
+        }
+    } else {
+        surface.edges = surface_edges_;
+    }
+    // Inner particles meet the blade, too, where it has crushed the cells above them.
+    for (std::uint32_t i = 0; i < meshed.size(); ++i) {
+        if (meshed[i] && !on_triangle[i]) {
+            surface.particles.push_back(i);
+        }
+    }
+    return surface;
+}
+
+SelfContactFinder::Description SoftTissue::solid() const {
+    const pbd::Particles& p = body_.particles;
+    SelfContactFinder::Description out;
+    out.rest = patient_.particles.rest;
+    out.free.resize(p.size(), false);
+    std::vector<bool> of_solid(p.size(), false);
+    for (const std::uint32_t t : patient::tetrahedra_of(Tissue::tongue, patient_)) {
+        out.solid.push_back(patient_.tetrahedra.corners[t]);
+        for (const std::uint32_t i : out.solid.back()) {
+            of_solid[i] = true;
+        }
+    }
+    for (const auto& triangle : pbd::surface_triangles(out.solid)) {
+        for (const std::uint32_t i : triangle) {
+            // Links, not the surface, attach the tongue's floor.
+            out.free[i] = tongue_.moves(i) && (p.channels[i] & pbd::channel::shell) != 0;
+        }
+    }
+    for (std::uint32_t i = 0; i < p.size(); ++i) {
+        if (tongue_.moves(i) && !of_solid[i] && !lies_within(out.solid, out.rest, out.rest[i])) {
+            out.neighbours.push_back(i);
+        }
+    }
+    return out;
 }
 
 pbd::ShapeMatching::Description SoftTissue::description(std::span<const std::uint32_t> wanted, float substep,
@@ -218,14 +301,22 @@ void SoftTissue::set_stiffness(float soft) {
     update_moduli();
 }
 
+void SoftTissue::fill_moduli(float soft) {
+    tetrahedron_moduli_.clear();
+    for (const auto& corners : cells_.tetrahedra) {
+        tetrahedron_moduli_.push_back(patient::mean_modulus(patient_, corners, soft));
+    }
+    hexahedron_moduli_.clear();
+    for (const auto& corners : cells_.hexahedra) {
+        hexahedron_moduli_.push_back(patient::mean_modulus(patient_, corners, soft));
+    }
+}
+
 void SoftTissue::update_moduli() {
     body_.sleep.wake_all(body_.particles);
-    moduli_.clear();
-    for (const std::uint32_t t : meshed_) {
-        moduli_.push_back(patient::tetrahedron_modulus(patient_, t, soft_));
-    }
     if (!tongue_.empty()) {
-        tongue_.set_youngs_modulus(moduli_, body_.particles);
+        fill_moduli(soft_);
+        tongue_.set_youngs_modulus(tetrahedron_moduli_, hexahedron_moduli_, body_.particles);
     }
     moduli_.clear();
     for (const std::uint32_t c : held_clusters_) {

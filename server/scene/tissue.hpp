@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "server/patient/model/cells_of.hpp"
 #include "server/patient/model/patient.hpp"
 #include "server/patient/model/skeleton.hpp"
 #include "server/pbd/soft/soft_body.hpp"
@@ -50,7 +51,7 @@ class SoftTissue {
         return surface_edges_;
     }
 
-    /// The tongue if it is made of tetrahedra; else empty.
+    /// The implicit mesh: tongue or, as hexahedra, tongue and epiglottis. Empty with clusters throughout.
     [[nodiscard]] Tongue& tongue() { return tongue_; }
     [[nodiscard]] const Tongue& tongue() const { return tongue_; }
     [[nodiscard]] pbd::SoftBody& body() { return body_; }
@@ -69,6 +70,13 @@ class SoftTissue {
     /// Rest position of a particle in the model's posture, with the tongue's current growth.
     [[nodiscard]] Vec3f grown(std::size_t particle) const;
     void update_moduli();
+    /// The mesh's surface that the blade meets. `meshed` [particles]: corner of an element.
+    [[nodiscard]] TongueContacts::Surface surface_of_mesh(const std::vector<bool>& meshed,
+                                                          TissueMethod method) const;
+    /// What the mesh must not overlap: the tongue, of itself and of the epiglottis.
+    [[nodiscard]] SelfContactFinder::Description solid() const;
+    /// Of the mesh's elements.
+    void fill_moduli(float soft);
     /// For clusters in [first, end).
     void frames_of(const pbd::ShapeMatching& shapes, std::span<const std::uint32_t> clusters,
                    std::size_t first, std::size_t end, std::vector<FramePose>& frames) const;
@@ -90,7 +98,9 @@ class SoftTissue {
     std::vector<Vec3f> swelling_;          // [particles][m] per unit of growth; empty until it is set
     std::vector<Vec3f> cluster_swelling_;  // [clusters][m], mean over the members
     std::vector<std::uint32_t> meshed_;    // indices, in the patient, of the tetrahedra in use
-    std::vector<float> moduli_;            // scratch
+    patient::Cells cells_;                 // the same, with whole cells joined where the method has them
+    std::vector<float> tetrahedron_moduli_, hexahedron_moduli_;  // [cells_][Pa]
+    std::vector<float> moduli_;                                  // scratch
 };
 
 }  // namespace eti::scene

@@ -27,7 +27,7 @@ int Tongue::solve_count(float blade_way, int substeps) {
     return solves;
 }
 
-void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
+void Tongue::configure(const pbd::ImplicitMesh::Description& mesh, TongueContacts::Surface surface,
                        pbd::Particles& particles, float substep) {
     substep_ = substep;
     constexpr float lighter = patient::tissue_density / patient::physical_tissue_density;
@@ -45,7 +45,11 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
         }
     }
     std::ranges::sort(movers);
-    std::erase_if(surface, [&](const auto& ends) { return !moved_[ends[0]] || !moved_[ends[1]]; });
+    const auto fixed = [&](std::uint32_t i) { return !moved_[i]; };
+    std::erase_if(surface.particles, fixed);
+    std::erase_if(surface.edges, [&](const auto& ends) { return std::ranges::any_of(ends, fixed); });
+    std::erase_if(surface.triangles,
+                  [&](const auto& corners) { return std::ranges::all_of(corners, fixed); });
     const std::size_t movers_count = movers.size();
     contacts_.configure(std::move(movers), std::move(surface));
     // Reserved so that a step does not allocate.
@@ -57,8 +61,15 @@ void Tongue::configure(const pbd::Tetrahedra::Description& mesh, std::vector<Ton
     }
 }
 
+void Tongue::keep_apart(const SelfContactFinder::Description& description) {
+    self_contacts_.configure(description);
+    mesh_.self_contacts.reserve(self_contacts_.points());
+}
+
 void Tongue::reset(pbd::Particles& particles) {
     contacts_.reset();
+    self_contacts_.reset();
+    mesh_.self_contacts.clear();
     away_ = relax_end;
     mesh_.contacts.clear();
     mesh_.springs.clear();
@@ -76,8 +87,9 @@ void Tongue::set_substep_masses(pbd::Particles& particles) const {
     }
 }
 
-void Tongue::set_youngs_modulus(std::span<const float> moduli, pbd::Particles& particles) {
-    mesh_.set_youngs_modulus(moduli);
+void Tongue::set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra,
+                                pbd::Particles& particles) {
+    mesh_.set_youngs_modulus(tetrahedra, hexahedra);
     set_substep_masses(particles);
 }
 
@@ -120,7 +132,12 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
     }
     gather_springs(p);
     parallel::run_both([&] { mesh_.linearise(p, dt); },
-                       [&] { contacts_.find(p, blade, shell, mesh_.contacts); });
+                       [&] {
+                           contacts_.find(p, blade, shell, mesh_.contacts);
+                           if (self_contacts_.points() > 0) {
+                               self_contacts_.find(p, mesh_.self_contacts);
+                           }
+                       });
     mesh_.solve_linearised(p, dt);
     for (std::size_t k = 0; k < used.size(); ++k) {
         to_[k] = p.predicted[used[k]];
@@ -129,10 +146,9 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
     for (std::size_t n = 0; n < mesh_.contacts.size(); ++n) {
         const pbd::MeshContact& c = mesh_.contacts[n];
         if (contacts_.is_with_blade(n) && !c.force.isZero(0.0f)) {
-            const auto shares = c.shares();
-            for (std::size_t e = 0; e < (c.is_edge() ? 2 : 1); ++e) {
-                blade_contact.add_impulse(c.particle[e], p.predicted[c.particle[e]], shares[e] * dt * c.force,
-                                          blade.to);
+            for (std::size_t e = 0; e < c.corners; ++e) {
+                blade_contact.add_impulse(c.particle[e], p.predicted[c.particle[e]],
+                                          c.share[e] * dt * c.force, blade.to);
             }
         }
     }

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/pbd/soft/implicit_tetrahedra.hpp"
+#include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/soft_body.hpp"
 #include "server/scene/blade.hpp"
+#include "server/scene/self_contact_finder.hpp"
 #include "server/scene/tongue_contacts.hpp"
 
 namespace eti::scene {
@@ -27,15 +28,20 @@ class Tongue {
 
     /// The mesh has the tissue's physical mass; `particles` receive the inverse masses for substeps of
     /// `substep` [s]. Configure clusters before, with a mesh that they do not move.
-    void configure(const pbd::Tetrahedra::Description& mesh, std::vector<TongueContacts::Edge> surface,
+    /// Of the `surface`, what does not move is left out.
+    void configure(const pbd::ImplicitMesh::Description& mesh, TongueContacts::Surface surface,
                    pbd::Particles& particles, float substep);
+    /// From now on the mesh stays out of itself, and other particles of it out of the solid.
+    void keep_apart(const SelfContactFinder::Description& description);
     [[nodiscard]] bool empty() const { return mesh_.size() == 0; }
     /// [particles]: whether the mesh moves it; empty where there is no mesh.
     [[nodiscard]] const std::vector<bool>& moved() const { return moved_; }
     [[nodiscard]] bool moves(std::size_t particle) const { return !moved_.empty() && moved_[particle]; }
 
     void set_rest(const pbd::Particles& particles) { mesh_.set_rest(particles); }
-    void set_youngs_modulus(std::span<const float> moduli, pbd::Particles& particles);
+    /// [tetrahedra][Pa] and [hexahedra][Pa]
+    void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra,
+                            pbd::Particles& particles);
     /// Discards contacts; particles must be at rest.
     void reset(pbd::Particles& particles);
 
@@ -66,12 +72,13 @@ class Tongue {
     void set_substep_masses(pbd::Particles& particles) const;
     void gather_springs(const pbd::Particles& particles);
 
-    pbd::ImplicitTetrahedra mesh_;
+    pbd::ImplicitMesh mesh_;
     TongueContacts contacts_;
-    std::vector<bool> moved_;                                       // [particles]
-    std::vector<pbd::ImplicitTetrahedra::Spring> cluster_springs_;  // from clusters
-    std::vector<Vec3f> from_, to_, push_;                           // [corners][m]
-    float substep_ = 0.0f, dt_ = 0.0f;                              // [s]
+    SelfContactFinder self_contacts_;
+    std::vector<bool> moved_;                                 // [particles]
+    std::vector<pbd::ImplicitMesh::Spring> cluster_springs_;  // from clusters
+    std::vector<Vec3f> from_, to_, push_;                     // [corners][m]
+    float substep_ = 0.0f, dt_ = 0.0f;                        // [s]
     // Steps since the last tool left, between which the tongue is drawn to rest.
     static constexpr int relax_begin = 18, relax_end = 108;
     int away_ = relax_end;

@@ -27,12 +27,17 @@ float cluster_modulus(const Patient& patient, std::uint32_t cluster, float soft)
     return youngs_modulus_of(patient.clusters.tissue[cluster], soft);
 }
 
-float tetrahedron_modulus(const Patient& patient, std::uint32_t tetrahedron, float soft) {
+float mean_modulus(const Patient& patient, std::span<const std::uint32_t> particles, float soft) {
+    const float share = 1.0f / static_cast<float>(particles.size());
     float modulus = 0.0f;
-    for (const std::uint32_t i : patient.tetrahedra.corners[tetrahedron]) {
-        modulus += 0.25f * youngs_modulus_of(patient.particles.tissue[i], soft);
+    for (const std::uint32_t i : particles) {
+        modulus += share * youngs_modulus_of(patient.particles.tissue[i], soft);
     }
     return modulus;
+}
+
+float tetrahedron_modulus(const Patient& patient, std::uint32_t tetrahedron, float soft) {
+    return mean_modulus(patient, patient.tetrahedra.corners[tetrahedron], soft);
 }
 
 float link_stiffness(const Patient& patient, std::uint32_t link, float soft) {

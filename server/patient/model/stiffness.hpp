@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "server/patient/model/patient.hpp"
 
@@ -15,7 +16,9 @@ namespace eti::patient {
 [[nodiscard]] float youngs_modulus_of(Tissue tissue, float soft);
 /// Young's modulus [Pa].
 [[nodiscard]] float cluster_modulus(const Patient& patient, std::uint32_t cluster, float soft);
-/// Young's modulus [Pa]; mean over the corners.
+/// Young's modulus [Pa], mean over an element's corners.
+[[nodiscard]] float mean_modulus(const Patient& patient, std::span<const std::uint32_t> particles,
+                                 float soft);
 [[nodiscard]] float tetrahedron_modulus(const Patient& patient, std::uint32_t tetrahedron, float soft);
 /// Stiffness [N/m]. A link between tongue and floor of the mouth represents a column of tissue with a
 /// cross-section of one spacing squared: E h^2 / h.
