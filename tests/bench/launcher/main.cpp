@@ -21,13 +21,14 @@ struct Command {
     const char* description;
 };
 
-constexpr std::array<Command, 10> commands = {{
+constexpr std::array<Command, 11> commands = {{
     {"speed", "eti-bench-physics", "Cost of the solver's parts"},
     {"accuracy", "eti-bench-physics", "Error against cost of every method, in cases with a reference"},
     {"calibration", "eti-bench-physics", "Measured modulus of bodies of clusters over the input modulus"},
     {"stability", "eti-bench-physics", "Where every method survives, recovers or fails"},
     {"sufficiency", "eti-bench-physics", "Outcome of an intubation over the resolution of the model"},
     {"sleep", "eti-bench-physics", "Effect and savings of sleeping tissue"},
+    {"matter", "eti-bench-physics", "Volume, forces and rest of the tissue in a lift of the blade"},
     {"merge", "eti-bench-physics", "Merge the tables of a sweep's shards (--shard I/N)"},
     {"haptics", "eti-bench-devices", "Stable stiffness, timing and force laws of the haptic loop"},
     {"render", "eti-bench-render", "Image quality at moments of attempts, measured against goals"},

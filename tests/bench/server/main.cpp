@@ -7,6 +7,7 @@
 #include "common/process/program.hpp"
 #include "tests/bench/server/accuracy/accuracy.hpp"
 #include "tests/bench/server/accuracy/calibration.hpp"
+#include "tests/bench/server/matter/matter.hpp"
 #include "tests/bench/server/shard.hpp"
 #include "tests/bench/server/speed/sleep.hpp"
 #include "tests/bench/server/speed/speed.hpp"
@@ -73,6 +74,20 @@ int main(int argc, char** argv) {
     resting.add_option("--out", sleep.out, "Folder for the tables").capture_default_str();
     resting.add_option("--scenario", sleep.scenarios, "Scenarios by name or path").capture_default_str();
     resting.add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
+    eti::bench::MatterOptions matter;
+    eti::CommandLine lift = app.add_subcommand(
+        "matter", "Volume, forces, view and rest of the tissue in one replayed lift of the blade");
+    lift.add_option("--scenario", matter.scenarios, "Scenarios by name").capture_default_str();
+    lift.add_option("--method", matter.methods, "Tissue methods instead of the scenarios'");
+    lift.add_option("--path", matter.path, "Poses of the blade, instead of the committed ones");
+    lift.add_option("--record", matter.record,
+                    "Write the expert's lift of the first scenario to this file, and end");
+    lift.add_option("--trace", matter.trace, "Write values over time to this file");
+    lift.add_number("--substeps", matter.substeps, "Instead of the scenarios'", {0, 64});
+    lift.add_number("--spacing", matter.spacing, "Spacing of particles [mm] instead of the scenarios'",
+                    {0, 5});
+    lift.add_option("--blocks", matter.blocks, "Blocks against references: all, blade, bar or sphere");
+    lift.add_flag("--json", matter.json, "Print one JSON object");
     return eti::run_program(
         app, argc, argv,
         [&] {
@@ -94,6 +109,9 @@ int main(int argc, char** argv) {
             }
             if (resting.parsed()) {
                 return eti::bench::sleep(sleep);
+            }
+            if (lift.parsed()) {
+                return eti::bench::matter(matter);
             }
             if (costs.parsed()) {
                 if (threads > 0) {

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace eti::bench {
+
+struct MatterOptions {
+    std::vector<std::string> scenarios = {"term", "premature"};
+    std::vector<std::string> methods;  ///< of tissue; empty: that of each scenario
+    std::filesystem::path path;        ///< of the blade; empty: the committed one of the scenario
+    std::filesystem::path record;      ///< writes the expert's lift of the first scenario here instead
+    std::filesystem::path trace;       ///< writes values over time here
+    int substeps = 0;                  ///< 0: as the scenario says
+    float spacing = 0.0f;              ///< [mm], 0: as the scenario says
+    std::string blocks;                ///< runs the blocks instead
+    bool json = false;
+};
+
+int matter_blocks(const std::string& only);
+
+/// Replays one lift of the blade in different models of the tissue, and measures volume, forces, view, rest
+/// and cost. Returns the exit status.
+[[nodiscard]] int matter(const MatterOptions& options);
+
+}  // namespace eti::bench
