@@ -33,7 +33,7 @@ CASES = {
     "blade": Case(boxes.blade, (4, 6, 8), ["force_n", "displacements_mm"], 8e3, DEPTH | DISPLACEMENTS, ["points_mm"]),
     "bar": Case(boxes.bar, (2, 4, 6), ["sag_mm", "shortening_mm"], 15e3,
                 {"sag_mm": "mm, centre of the end face", "shortening_mm": "mm, the same point"}),
-    "squeeze": Case(boxes.squeeze, (3, 4, 6), ["force_n", "bulge_mm"], 15e3,
+    "squeeze": Case(boxes.squeeze, (3, 4, 5), ["force_n", "bulge_mm"], 15e3,
                     {"force_n": "N", "squeezed_share": "share of the height", "bulge_mm": "mm, middle of a side"}),
     "plate": Case(boxes.plate, (1, 2, 3), ["bending_n_per_m", "twist_nm_per_rad", "bending_over_beam",
                                            "twist_over_saint_venant"], 8e3,
