@@ -30,18 +30,21 @@ def uncertainty_key(name, first):
 
 
 def summary(case, meshes):
-    """One row per Poisson's ratio and load, with quantities and their uncertainties from all meshes."""
+    """One row per Poisson's ratio and load, with quantities and their uncertainties from the meshes that have the load."""
+    load_of = lambda row: {key: value for key, value in row.items() if key not in case.quantities + case.checks}
     results = []
     for nu in sorted({m["nu"] for m in meshes}):
         levels = sorted((m for m in meshes if m["nu"] == nu), key=lambda m: m["level"])
-        sizes = [1 / m["level"] for m in levels]
-        for rows in zip(*(m["rows"] for m in levels)):
-            row = {"nu": nu} | {key: value for key, value in rows[-1].items() if key not in case.quantities + case.checks}
+        for load in map(load_of, levels[0]["rows"]):
+            found = [(m["level"], row) for m in levels for row in m["rows"] if load_of(row) == load]
+            result = {"nu": nu} | load
             for name in case.quantities:
-                value, uncertainty = extrapolate(sizes, [r[name] for r in rows], not case.orders)
-                row[name] = float(f"{value:.6g}") if np.ndim(value) == 0 else value.tolist()
-                row[uncertainty_key(name, name == case.quantities[0])] = uncertainty and float(f"{uncertainty:.2g}")
-            results.append(row)
+                value, uncertainty = extrapolate([1 / level for level, _ in found], [row[name] for _, row in found],
+                                                 not case.orders)
+                result[name] = float(f"{value:.6g}") if np.ndim(value) == 0 else value.tolist()
+                key = uncertainty_key(name, name == case.quantities[0])
+                result[key] = uncertainty and float(f"{uncertainty:.2g}")
+            results.append(result)
     return results
 
 

@@ -25,10 +25,10 @@ ROWS = [
 
 
 def cell(value, uncertainty):
-    """A value with as many digits as its uncertainty, which has one: 0.5676 ± 0.0009."""
+    """A value with as many digits as its uncertainty, which has two: 0.56760 ± 0.00091."""
     if uncertainty is None:
         return f"{value:.3g} (one mesh)"
-    digits = max(0, -math.floor(math.log10(uncertainty))) if uncertainty > 0 else 4
+    digits = max(0, 1 - math.floor(math.log10(uncertainty))) if uncertainty > 0 else 4
     return f"{value:.{digits}f} ± {uncertainty:.{digits}f}"
 
 
