@@ -24,9 +24,12 @@ namespace eti::imaging {
 /// the back of the head to the nose, columns from the patient's right to the left.
 [[nodiscard]] Volume parse_inv3(std::span<const std::uint8_t> data, const std::string& file);
 
-/// CT slices of one series, or one multi-frame file, read with GDCM. If the folder has several series, the
-/// one with most slices is read and the others are listed in `remarks`.
-[[nodiscard]] Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>& remarks);
+/// CT slices of one series, or one multi-frame file, read with GDCM. A folder is searched with the folders in
+/// it. What is no CT slice is left out and listed in `remarks`, in one line: DICOMDIR, reports, other
+/// modalities, scout images, screen captures, objects without pixels, other series. Of several series the one
+/// named `series` is read; without a name, the one with most slices among those that form a volume.
+[[nodiscard]] Volume read_dicom(const std::filesystem::path& path, std::vector<std::string>& remarks,
+                                const std::string& series = {});
 
 enum class Format : std::uint8_t { nrrd, nifti };
 /// Format by file name: .nrrd, .nii or .nii.gz; throws VolumeError for any other.

@@ -33,9 +33,9 @@ class Channel : public MemfdPipe {
 
 enum Outcome : int { whole = 0, refused = 3 };
 
-int parse_into(const Channel& channel, const std::filesystem::path& path) {
+int parse_into(const Channel& channel, const std::filesystem::path& path, const std::string& series) {
     try {
-        const LoadedVolume reading = parse(path);
+        const LoadedVolume reading = parse(path, series);
         channel.put(reading.volume.geometry);
         channel.put(reading.volume.value.data(), reading.volume.value.size() * sizeof(float));
         const std::size_t remarks = reading.remarks.size();
@@ -60,14 +60,19 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
 
 }  // namespace
 
-LoadedVolume parse(const std::filesystem::path& path) {
+LoadedVolume parse(const std::filesystem::path& path, const std::string& series) {
     const std::string name = path.string();
     std::error_code error;
     LoadedVolume reading;
     if (std::filesystem::is_directory(path, error)) {
-        reading.volume = read_dicom(path, reading.remarks);
+        reading.volume = read_dicom(path, reading.remarks, series);
     } else {
         const Bytes data = read_bytes(path);
+        if (!series.empty()) {
+            throw VolumeError(fmt::format(
+                "{}: is a file; expected a DICOM folder, as a series is chosen. Remedy: omit --series.",
+                name));
+        }
         const auto starts = [&](std::size_t at, std::string_view text) {
             return data.size() >= at + text.size() && std::equal(text.begin(), text.end(), data.begin() + at);
         };
@@ -91,9 +96,9 @@ LoadedVolume parse(const std::filesystem::path& path) {
     return reading;
 }
 
-LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits) {
+LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits, const std::string& series) {
     const Channel channel;
-    const GuardedResult ended = run_guarded([&] { return parse_into(channel, path); }, limits);
+    const GuardedResult ended = run_guarded([&] { return parse_into(channel, path, series); }, limits);
     if (ended.broken) {
         broken(path, *ended.broken);
     }

@@ -9,9 +9,9 @@
 
 namespace eti::tool {
 
-imaging::LoadedVolume read_volume(const std::filesystem::path& file) {
+imaging::LoadedVolume read_volume(const std::filesystem::path& file, const std::string& series) {
     (void)progress(0.0f, "reading " + file.string());
-    imaging::LoadedVolume reading = imaging::read(file);
+    imaging::LoadedVolume reading = imaging::read(file, {}, series);
     if (stop_requested()) {
         throw CancelledError();
     }

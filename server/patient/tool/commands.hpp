@@ -33,8 +33,10 @@ class ShapeOptions {
     std::shared_ptr<Typed> typed_;
 };
 
-/// Reads a volume and prints its remarks. Throws imaging::VolumeError, CancelledError.
-[[nodiscard]] imaging::LoadedVolume read_volume(const std::filesystem::path& file);
+/// Reads a volume and prints its remarks. `series`: see imaging::read_dicom(). Throws imaging::VolumeError,
+/// CancelledError.
+[[nodiscard]] imaging::LoadedVolume read_volume(const std::filesystem::path& file,
+                                                const std::string& series = {});
 /// Reads labels with eti-anatomy's numbering.
 [[nodiscard]] imaging::Mask read_labels(const std::filesystem::path& file);
 

@@ -52,8 +52,12 @@ Result run_phantom(const PhantomSettings& settings, const path& out) {
     return result;
 }
 
+constexpr const char* series_help =
+    "Series Instance UID of the CT series in a DICOM folder [the one with most slices that forms a volume]";
+
 struct SegmentRequest {
     path in;
+    std::string series;
     path out;
     path landmarks;
     path truth;
@@ -82,7 +86,7 @@ Vec3d centre_of(const Segmentation& found) {
 Result run_segment(SegmentRequest request) {
     (void)imaging::format_of(request.out);
     const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
-    const imaging::Volume ct = read_volume(request.in).volume;
+    const imaging::Volume ct = read_volume(request.in, request.series).volume;
     std::optional<imaging::Mask> truth;
     if (!request.truth.empty()) {
         truth = read_labels(request.truth);
@@ -154,12 +158,12 @@ Result run_segment(SegmentRequest request) {
     return result;
 }
 
-Result run_surfaces(const path& in, const path& ct_file, const path& folder,
+Result run_surfaces(const path& in, const path& ct_file, const std::string& series, const path& folder,
                     const SurfaceSettings& settings) {
     const imaging::Mask labels = read_labels(in);
     std::optional<imaging::Volume> ct;
     if (!ct_file.empty()) {
-        ct = read_volume(ct_file).volume;
+        ct = read_volume(ct_file, series).volume;
     }
     std::vector<NamedSurface> surfaces;
     try {
@@ -215,6 +219,7 @@ int main(int argc, char** argv) {
     const NumberLimits<float> hounsfield{-1024.0f, 3071.0f, "HU"};
     double closing_mm = 1e3 * static_cast<double>(request.settings.closing);
     segment.add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project").required();
+    segment.add_option("--series", request.series, series_help);
     segment.add_option("--out", request.out, "Labels to write (.nrrd, .nii, .nii.gz)").required();
     segment.add_option("--landmarks", request.landmarks,
                        "Points 'mandible', 'skull', 'spine', 'tongue', 'mouth' to start from instead of "
@@ -239,6 +244,8 @@ int main(int argc, char** argv) {
     SurfaceSettings surface_settings;
     surfaces.add_option("LABELS", labels, "Labels written by 'segment', or with the same numbers").required();
     surfaces.add_option("--volume", ct, "The CT that was segmented: surfaces then follow its grey values");
+    std::string ct_series;
+    surfaces.add_option("--series", ct_series, series_help);
     surfaces.add_option("--out", folder, "Output folder; created if missing").required();
     const NumberLimits<std::size_t> triangles{4, 10'000'000, "triangles"};
     surfaces.add_number("--skin-triangles", surface_settings.skin_triangles, "At most so many", triangles)
@@ -274,7 +281,7 @@ int main(int argc, char** argv) {
             request.settings.closing = static_cast<float>(1e-3 * closing_mm);
             result = run_segment(request);
         } else if (surfaces.parsed()) {
-            result = run_surfaces(labels, ct, folder, surface_settings);
+            result = run_surfaces(labels, ct, ct_series, folder, surface_settings);
         } else {
             result = run();
         }
