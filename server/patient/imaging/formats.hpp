@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 
@@ -16,8 +17,14 @@ namespace eti::imaging {
 /// NRRD versions 1-5 in a single file, raw or gzip (teem.sourceforge.net/nrrd/format.html).
 [[nodiscard]] Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file);
 
-/// NIfTI-1 in a single file, optionally compressed (nifti.nimh.nih.gov, nifti1.h).
-[[nodiscard]] Volume parse_nifti(std::span<const std::uint8_t> data, const std::string& file);
+/// Names of the segments by label value, as 3D Slicer stores them in a .seg.nrrd; empty for other files.
+[[nodiscard]] std::map<int, std::string> parse_segment_names(std::span<const std::uint8_t> data,
+                                                             const std::string& file);
+
+/// NIfTI-1 in a single file, optionally compressed (nifti.nimh.nih.gov, nifti1.h). What the user should know
+/// of a doubtful header is appended to `remarks`.
+[[nodiscard]] Volume parse_nifti(std::span<const std::uint8_t> data, const std::string& file,
+                                 std::vector<std::string>* remarks = nullptr);
 
 /// An InVesalius 3 project: a tar archive, optionally compressed, of main.plist and the matrix that it names.
 /// The format has no directions. As InVesalius stores them, axial slices are taken to run upwards, rows from

@@ -43,6 +43,12 @@ int parse_into(const Channel& channel, const std::filesystem::path& path, const 
         for (const std::string& remark : reading.remarks) {
             channel.put(remark);
         }
+        const std::size_t segments = reading.segments.size();
+        channel.put(&segments, sizeof(segments));
+        for (const auto& [value, segment] : reading.segments) {
+            channel.put(&value, sizeof(value));
+            channel.put(segment);
+        }
         return whole;
     } catch (const std::bad_alloc&) {
         channel.put(path.string() +
@@ -78,12 +84,13 @@ LoadedVolume parse(const std::filesystem::path& path, const std::string& series)
         };
         if (starts(0, "NRRD000")) {
             reading.volume = parse_nrrd(data, name);
+            reading.segments = parse_segment_names(data, name);
         } else if (starts(128, "DICM")) {
             reading.volume = read_dicom(path, reading.remarks);
         } else if (path.extension() == ".inv3") {
             reading.volume = parse_inv3(data, name);
         } else if (name.ends_with(".nii") || name.ends_with(".nii.gz") || starts(344, "n+1")) {
-            reading.volume = parse_nifti(data, name);
+            reading.volume = parse_nifti(data, name, &reading.remarks);
         } else {
             throw VolumeError(fmt::format(
                 "{}: unknown format; expected NRRD (.nrrd), NIfTI (.nii, .nii.gz), DICOM (a folder) or an "
@@ -122,6 +129,12 @@ LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits, 
     }
     for (std::size_t i = 0; good && i < remarks; ++i) {
         good = channel.get(reading.remarks.emplace_back());
+    }
+    std::size_t segments = 0;
+    good = good && channel.get(&segments, sizeof(segments)) && segments < 1000;
+    for (std::size_t i = 0; good && i < segments; ++i) {
+        int value = 0;
+        good = channel.get(&value, sizeof(value)) && channel.get(reading.segments[value]);
     }
     if (!good) {
         broken(path, "an incomplete volume");

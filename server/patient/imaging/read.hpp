@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace eti::imaging {
 struct LoadedVolume {
     Volume volume;
     std::vector<std::string> remarks;
+    std::map<int, std::string> segments;  ///< names by label value, where the file has them
 };
 
 /// Parses a DICOM folder or file, NRRD, NIfTI or an InVesalius project, distinguished by their first bytes.

@@ -124,7 +124,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     constexpr double mesh_voxels = 0.5e-3;  // [m]
     const imaging::Mask labels =
         meshes ? voxelise(request.in, mesh_voxels, progress) : read_labels(request.in.front());
-    const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
+    const Points given = read_landmarks(request.landmarks);
     const patient::BuildSettings settings = settings_of(request, {});
     (void)progress(0.1f, "registering a newborn to the labels");
     std::optional<LabelledAnatomy> anatomy;

@@ -37,8 +37,11 @@ class ShapeOptions {
 /// CancelledError.
 [[nodiscard]] imaging::LoadedVolume read_volume(const std::filesystem::path& file,
                                                 const std::string& series = {});
-/// Reads labels with eti-anatomy's numbering.
+/// Reads labels with eti-anatomy's numbering, or a segmentation whose segments have names (.seg.nrrd).
 [[nodiscard]] imaging::Mask read_labels(const std::filesystem::path& file);
+
+/// Reads a points file and prints its remarks; no points for an empty name.
+[[nodiscard]] Points read_landmarks(const std::filesystem::path& file);
 
 /// Writes each surface as STL into a folder, which is created, and reports it.
 [[nodiscard]] Result write_surfaces(const std::vector<NamedSurface>& surfaces,

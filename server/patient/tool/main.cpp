@@ -85,7 +85,7 @@ Vec3d centre_of(const Segmentation& found) {
 
 Result run_segment(SegmentRequest request) {
     (void)imaging::format_of(request.out);
-    const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
+    const Points given = read_landmarks(request.landmarks);
     const imaging::Volume ct = read_volume(request.in, request.series).volume;
     std::optional<imaging::Mask> truth;
     if (!request.truth.empty()) {
