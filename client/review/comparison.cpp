@@ -142,6 +142,23 @@ void adjust(std::vector<MeasureRow>& rows) {
     }
 }
 
+/// Below this size the tests hold their level by missing differences (docs/decisions/studies.md).
+constexpr std::size_t small = 10;
+
+void remark_on_small_samples(Comparison& comparison, std::size_t pairs) {
+    constexpr const char* advice =
+        "fewer than 10 find large differences only: 'undecided' does not mean that there is none";
+    if (comparison.paired && pairs < small) {
+        comparison.remarks.push_back(fmt::format("{} pairs: {}", pairs, advice));
+    }
+    for (const StudyGroup& group : comparison.groups) {
+        if (!comparison.paired && group.sessions.size() < small) {
+            comparison.remarks.push_back(
+                fmt::format("{} sessions in group {}: {}", group.sessions.size(), group.name, advice));
+        }
+    }
+}
+
 }  // namespace
 
 double Measure::of(const StudySession& session) const {
@@ -214,6 +231,7 @@ void compare(Comparison& comparison) {
                         "give more files, or omit --paired",
                         pairs.size()));
     }
+    remark_on_small_samples(comparison, pairs.size());
     for (const Measure& measure : measures()) {
         MeasureRow row{&measure, {}, {}};
         std::size_t found = 0;

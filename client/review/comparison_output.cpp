@@ -56,7 +56,8 @@ std::string how_text(const Comparison& comparison) {
 }
 
 constexpr std::string_view legend =
-    "p: bootstrap test of no difference; Holm: p adjusted for the number of metrics in its part; g: Hedges' "
+    "p: bootstrap test of no difference, and its interval; Holm: p adjusted for the number of metrics in its "
+    "part; g: Hedges' "
     "effect size";
 
 /// Rows of the paper's metrics, then the others, with a heading between.

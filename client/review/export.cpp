@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "common/process/files/atomic_file_writer.hpp"
 #include "common/process/files/folder.hpp"
@@ -111,6 +112,38 @@ std::vector<std::string> titles(const Series& series, const std::string& group) 
 bool is_time(const Series& series) {
     return series.path.ends_with("/time_ns");
 }
+
+/// Files of one export. A failure removes them: some tables of a session look like all of them.
+class OutputFolder {
+  public:
+    explicit OutputFolder(const std::filesystem::path& folder)
+        : folder_(folder), is_new_(!std::filesystem::exists(folder)) {
+        make_folder(folder);
+    }
+    ~OutputFolder() {
+        std::error_code ignored;
+        for (const std::filesystem::path& path : written) {
+            std::filesystem::remove(path, ignored);
+        }
+        if (is_new_ && !kept_) {
+            std::filesystem::remove(folder_, ignored);  // only if it is empty
+        }
+    }
+    OutputFolder(const OutputFolder&) = delete;
+    OutputFolder& operator=(const OutputFolder&) = delete;
+
+    std::vector<std::filesystem::path> keep() {
+        kept_ = true;
+        return std::exchange(written, {});
+    }
+
+    std::vector<std::filesystem::path> written;
+
+  private:
+    std::filesystem::path folder_;
+    bool is_new_ = false;
+    bool kept_ = false;
+};
 
 /// False if stopped.
 bool write_table(const std::filesystem::path& path, const std::string& group,
@@ -235,8 +268,8 @@ std::vector<std::filesystem::path> export_csv(
     const std::filesystem::path& session, const std::filesystem::path& folder,
     const std::function<void(const std::filesystem::path&)>& progress, const std::function<bool()>& stop) {
     const session::SessionReader reader(session);
-    make_folder(folder);
-    std::vector<std::filesystem::path> written;
+    OutputFolder output(folder);
+    std::vector<std::filesystem::path>& written = output.written;
     const auto table = [&](const std::string& group, const std::string& name, bool lines) {
         const auto all = reader.series(group);
         std::vector<const Series*> columns;
@@ -277,7 +310,7 @@ std::vector<std::filesystem::path> export_csv(
            table("summary", "summary", false) &&
            (!reader.root().has(session::ratings_group) || table(session::ratings_group, "ratings", false)) &&
            (!reader.root().has(session::answers_group) || table(session::answers_group, "answers", false)));
-    return written;
+    return output.keep();
 }
 
 }  // namespace eti::review

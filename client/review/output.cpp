@@ -25,10 +25,15 @@ void write_new_file(const std::filesystem::path& path, std::string_view text, st
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text, std::string_view option) {
+    std::error_code ignored;
+    const bool is_new = path.has_parent_path() && !std::filesystem::exists(path.parent_path(), ignored);
     if (path.has_parent_path()) {
         make_folder(path.parent_path(), option);
     }
     if (const std::string why = write_file_atomically(path, text); !why.empty()) {
+        if (is_new) {
+            std::filesystem::remove(path.parent_path(), ignored);  // only if it is empty
+        }
         throw ExportError(fmt::format("{}: cannot write: {}; free some space or choose another with {}",
                                       path.string(), why, option));
     }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/non_central_t.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
@@ -49,15 +48,10 @@ Drawn draw(const Sample& from, Random& random) {
     return {mean, std::max(0.0, squares / n - mean * mean) / (n - 1.0)};
 }
 
-/// Bootstrap draws from the centred samples: the differences, and the same studentised by each draw's own
-/// variance.
-struct Draws {
-    Sample difference, t;
-};
-
+/// Bootstrap draws of the difference, studentised by each draw's own variance, as absolute values.
 /// `parts`: centred samples; the first is subtracted from the second, if there are two.
-Draws draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
-    Draws draws;
+Sample draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
+    Sample draws;
     Random random(how.seed);
     double scale = 0.0;
     for (const Sample& part : parts) {
@@ -72,48 +66,13 @@ Draws draw_all(const std::vector<Sample>& parts, const Bootstrap& how) {
             difference += part + 1 == parts.size() ? drawn.mean : -drawn.mean;
             variance += drawn.variance;
         }
-        draws.difference.push_back(difference);
         // Draws of a single repeated value have only rounding variance.
         const bool flat = std::sqrt(variance) < 1e-12 * scale;
-        draws.t.push_back(!flat                                  ? difference / std::sqrt(variance)
-                          : std::abs(difference) < 1e-12 * scale ? 0.0
-                                                                 : std::copysign(HUGE_VAL, difference));
+        draws.push_back(!flat                                  ? std::abs(difference) / std::sqrt(variance)
+                        : std::abs(difference) < 1e-12 * scale ? 0.0
+                                                               : HUGE_VAL);
     }
     return draws;
-}
-
-/// Interpolated between the two nearest sorted values.
-double quantile(const Sample& sorted, double share) {
-    const double at = share * static_cast<double>(sorted.size() - 1);
-    const std::size_t below = std::min(static_cast<std::size_t>(at), sorted.size() - 1);
-    const std::size_t above = std::min(below + 1, sorted.size() - 1);
-    return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
-/// About a value of 0; `differences`: its bootstrap draws.
-Interval accelerated(const std::vector<Sample>& parts, Sample differences, double level) {
-    std::ranges::sort(differences);
-    const auto below = std::ranges::lower_bound(differences, 0.0) - differences.begin();
-    const auto not_above = std::ranges::upper_bound(differences, 0.0) - differences.begin();
-    const double n = static_cast<double>(differences.size());
-    const boost::math::normal normal;
-    const double share = std::clamp(0.5 * static_cast<double>(below + not_above) / n, 0.5 / n, 1.0 - 0.5 / n);
-    const double bias = boost::math::quantile(normal, share);
-    double cubes = 0.0, squares = 0.0;
-    for (std::size_t part = 0; part < parts.size(); ++part) {
-        const double size = static_cast<double>(parts[part].size());
-        const double sign = part + 1 == parts.size() ? 1.0 : -1.0;
-        for (const double value : parts[part]) {
-            cubes += std::pow(sign * value / size, 3);
-            squares += std::pow(value / size, 2);
-        }
-    }
-    const double acceleration = cubes / (6.0 * std::pow(squares, 1.5));
-    const auto end = [&](double tail) {
-        const double z = bias + boost::math::quantile(normal, tail);
-        return quantile(differences, boost::math::cdf(normal, bias + z / (1.0 - acceleration * z)));
-    };
-    return {end(0.5 * (1.0 - level)), end(0.5 * (1.0 + level))};
 }
 
 /// The non-centrality at which a t at most this large has probability `p`.
@@ -165,13 +124,22 @@ Difference bootstrapped(const std::vector<Sample>& parts, double value, const Bo
         out.interval = {value, value};
         return out;
     }
-    Draws draws = draw_all(parts, how);
-    const double t = std::abs(value / std::sqrt(variance));
-    const auto as_far = std::ranges::count_if(draws.t, [t](double drawn) { return std::abs(drawn) >= t; });
+    Sample draws = draw_all(parts, how);
+    const double error = std::sqrt(variance);
+    const double t = std::abs(value) / error;
+    const auto as_far = std::ranges::count_if(draws, [t](double drawn) { return drawn >= t; });
     out.p = static_cast<double>(as_far + 1) / static_cast<double>(how.resamples + 1);
-    out.interval = accelerated(parts, std::move(draws.difference), how.level);
-    out.interval.low += value;
-    out.interval.high += value;
+    // The test's dual: p <= 1 - level where at most rank - 1 draws are as far as t, that is, where t exceeds
+    // the draw of this rank from above.
+    const auto rank = static_cast<std::ptrdiff_t>((1.0 - how.level) * (how.resamples + 1) * (1.0 + 1e-12));
+    if (rank < 1) {
+        return out;
+    }
+    std::ranges::nth_element(draws, draws.begin() + (rank - 1), std::ranges::greater{});
+    const double half = draws[static_cast<std::size_t>(rank - 1)] * error;
+    if (std::isfinite(half)) {
+        out.interval = {value - half, value + half};
+    }
     return out;
 }
 

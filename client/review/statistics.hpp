@@ -26,7 +26,8 @@ struct Bootstrap {
 /// Difference of two means with its statistics.
 struct Difference {
     double value = no_value;
-    /// Bias-corrected and accelerated bootstrap interval (Efron 1987, J Am Stat Assoc 82:171).
+    /// Symmetric studentised bootstrap interval (Hall 1988, J R Stat Soc B 50:35), the dual of the test: it
+    /// excludes zero exactly if p <= 1 - level. NaN if the sample is too small to bound it.
     Interval interval;
     /// Two-sided p for no difference: bootstrap of the studentised difference, with samples shifted to a
     /// common mean (Efron & Tibshirani 1993, An Introduction to the Bootstrap, algorithm 16.2). NaN if

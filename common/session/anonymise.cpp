@@ -134,12 +134,21 @@ std::vector<std::string> anonymise(const std::filesystem::path& from, const std:
         return std::nullopt;
     };
     AtomicFileWriter unfinished(to);
-    hdf5::File file = hdf5::File::create(unfinished.path());
-    hdf5::copy_members(reader.root(), file.root(), rules);
-    if (!participant.empty()) {
-        file.root().open("meta").open("more").set_text(participant_text, participant);
+    try {
+        hdf5::File file = hdf5::File::create(unfinished.path());
+        hdf5::copy_members(reader.root(), file.root(), rules);
+        if (!participant.empty()) {
+            file.root().open("meta").open("more").set_text(participant_text, participant);
+        }
+        file.close();
+    } catch (const hdf5::Error& error) {
+        // The library names the file that is read, not the one that cannot be written.
+        if (const std::string why = full_disk_reason(error.what()); !why.empty()) {
+            throw hdf5::Error(fmt::format(
+                "{}: cannot be written: {}; free some space or choose another with --out", to.string(), why));
+        }
+        throw;
     }
-    file.close();
     (void)SessionReader(unfinished.path()).scene();
     unfinished.finish();
     std::vector<std::string> gone{"the session's name, its start and the file's own times"};

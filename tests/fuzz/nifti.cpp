@@ -3,6 +3,8 @@
 #include "volume.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    eti::fuzz::read_volume(&eti::imaging::parse_nifti, data, size);
+    eti::fuzz::read_volume([](std::span<const std::uint8_t> bytes,
+                              const std::string& file) { return eti::imaging::parse_nifti(bytes, file); },
+                           data, size);
     return 0;
 }

@@ -104,6 +104,55 @@ class Anatomy(support.Case):
         voxels[voxels == old] = new
         file.write_bytes(header + b"\n\n" + gzip.compress(voxels.tobytes()))
 
+    def test_segments_are_read_by_name(self):
+        ct = self.phantom("ct.nrrd", 2.5)
+        labels = self.folder / "ct-labels.nrrd"
+        header, packed = labels.read_bytes().split(b"\n\n", 1)
+        voxels = numpy.frombuffer(gzip.decompress(packed), numpy.uint8)
+        # The structures of surfaces, numbered in another order, as 3D Slicer stores them.
+        names = {1: (3, "Airway"), 2: (2, "Skull"), 3: (1, "Skin")}
+        other = numpy.zeros_like(voxels)
+        for value, (label, _) in names.items():
+            other[voxels == label] = value
+        pairs = "".join(f"\nSegment{i}_LabelValue:={value}\nSegment{i}_Name:={name}"
+                        for i, (value, (_, name)) in enumerate(names.items()))
+        named = self.folder / "named.seg.nrrd"
+        named.write_bytes(header + pairs.encode() + b"\n\n" + gzip.compress(other.tobytes()))
+        plain = self.folder / "plain.nrrd"
+        plain.write_bytes(header + b"\n\n" + gzip.compress(
+            numpy.where(numpy.isin(voxels, [label for label, _ in names.values()]), voxels, 0).astype("u1").tobytes()))
+        results = []
+        for file in (named, plain):
+            done = self.anatomy("surfaces", file, "--out", self.folder / file.stem, "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            results.append([{**one, "file": None} for one in json.loads(done.stdout)["surfaces"]])
+            if file is named:
+                self.assertIn("'Skull' is bone", done.stderr)
+        self.assertEqual(*results)
+        named.write_bytes(named.read_bytes().replace(b"Name:=Skull", b"Name:=Liver"))
+        self.assert_refused(self.anatomy("surfaces", named, "--out", self.folder / "none"), named, "'Liver'", "Remedy")
+
+    def test_noise_has_an_exit_status_of_its_own(self):
+        ct = self.folder / "noisy.nrrd"
+        self.assertEqual(self.anatomy("phantom", "--spacing-mm", 1.5, "--noise-hu", 60, "--out", ct).returncode, 0)
+        done = self.anatomy("segment", ct, "--out", self.folder / "labels.nrrd", "--json")
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("low confidence: tongue: the noise is 6", done.stderr)
+        self.assertIn("Remedy", done.stderr)
+        self.assertTrue((self.folder / "labels.nrrd").exists())
+        self.assertIn("5 labels of low confidence", " ".join(self.anatomy("segment", "--help").stdout.split()))
+
+    def test_surfaces_in_metres_are_recognised(self):
+        corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        faces = "1 2 4 3,5 7 8 6,1 5 6 2,3 4 8 7,1 3 7 5,2 6 8 4".split(",")
+        for scale, said in ((0.12, "seems to be in metres: scale it by 1000"),
+                            (12, "seems to be in centimetres: scale it by 10")):
+            skin = self.folder / "skin.obj"
+            skin.write_text("".join(f"v {scale * x} {scale * y} {scale * z}\n" for x, y, z in corners)
+                            + "".join(f"f {face}\n" for face in faces))
+            self.assert_refused(self.anatomy("build", skin, "--out", self.folder / "model.h5"), skin, "expected 30 to",
+                                "Remedy", said)
+
     def test_built_model_equals_server_model(self):
         coarse = "patient: {weight_kg: 2.5}\nphysics: {spacing_mm: 3, fine_spacing_mm: 1.5}\n"
         whole = self.folder / "whole.yaml"

@@ -261,6 +261,44 @@ class Storage(support.Case):
         done = self.serve(disk / "record.eti.h5", support.on_file_system("size=64k", disk))
         self.assert_refused(done, disk / "record.eti.h5", "No space left on device")
 
+    def test_full_disk_leaves_no_half_review(self):
+        record = self.folder / "record.eti.h5"
+        self.assertEqual(self.serve(record).returncode, 0)
+        disk = self.folder / "disk"
+        disk.mkdir()
+        # 256 kB hold the first tables, but neither a whole copy nor a report.
+        small = support.on_file_system("size=256k", disk)
+        for command, out, said in (
+                ("anonymise", "copy.eti.h5", "choose another with --out"),
+                ("export", "tables", "choose another folder with --out"),
+                ("report", "report", "choose another with --out")):
+            with self.subTest(command):
+                # The disk exists in the command's namespace only, which lists what is left.
+                done = support.run("eti-review", command, record, "--out", disk / out, timeout=60,
+                                   wrapper=[*small, "sh", "-c", '"$@"; status=$?; ls -A "$0"; exit $status', disk])
+                if "built without the page" in done.stderr:
+                    continue
+                self.assert_refused(done, disk / out, "No space left on device", "free some space", said)
+                self.assertEqual(done.stdout, "")
+
+    def test_repair_on_a_full_disk_changes_nothing(self):
+        record = self.folder / "record.eti.h5"
+        self.assertEqual(self.serve(record).returncode, 0)
+        data = record.read_bytes() + bytes(4096)  # longer than it states, as a killed writer leaves it
+        disk = self.folder / "disk"
+        disk.mkdir()
+        damaged = self.folder / "damaged.eti.h5"
+        damaged.write_bytes(data)
+        room = len(data) + 200_000
+        script = 'cp "$0" "$1"; file=$1; shift; "$@"; status=$?; ls -A "$(dirname "$file")"; ' \
+                 'cmp "$0" "$file" && exit $status'
+        done = support.run("eti-review", "check", disk / "damaged.eti.h5", "--repair", timeout=60,
+                           wrapper=[*support.on_file_system(f"size={room}", disk), "sh", "-c", script, damaged,
+                                    disk / "damaged.eti.h5"])
+        self.assert_refused(done, disk / "damaged.eti.h5", "cannot be repaired: No space left on device",
+                            "copy the file to another disk")
+        self.assertEqual(done.stdout, "damaged.eti.h5\n")
+
     def test_client_refuses_a_read_only_folder(self):
         disk = self.folder / "disk"
         disk.mkdir()

@@ -17,6 +17,13 @@ function how(session) {
   return session.live ? ", still being recorded" : session.finished ? "" : ", cut off before its end";
 }
 
+/// Whether the last attempt already says what became of the run. The run is judged at the session's end, when the
+/// tube may lie a millimetre elsewhere: a second depth for the same attempt would only raise questions.
+function lastAttemptSaysIt(session) {
+  const last = session.attempts.at(-1);
+  return last !== undefined && session.run.success !== null && last.success === session.run.success;
+}
+
 /// What became of each session and of its attempts.
 export function outcomes({ sessions }) {
   const columns = element("div", { class: "columns" });
@@ -24,7 +31,7 @@ export function outcomes({ sessions }) {
     const column = element("div", {},
       element("h1", {}, sessionName(session, index, sessions.length)),
       element("p", { class: "outcome" }, outcomeLight(session.run), " ", outcomeWord(session.run)),
-      element("p", { class: "reason" }, session.run.reason),
+      lastAttemptSaysIt(session) ? null : element("p", { class: "reason" }, session.run.reason),
       element("p", { class: "soft" },
         `${session.file}; session ${session.session}, ${session.start_time}, ${session.duration_s.toFixed(1)} s` +
         `${how(session)}; recorded by version ${session.version}`));
@@ -91,6 +98,12 @@ export function scores({ sessions }) {
     columns);
 }
 
+/// A metric's name, which shows its definition when tapped, clicked or chosen with the keyboard.
+function definition(field) {
+  return element("details", { class: "definition" }, element("summary", {}, field.label),
+    element("div", { class: "soft" }, field.definition));
+}
+
 /// A column for each run, or for run and attempts of a single session.
 export function parameterTable({ sessions, fields }) {
   const [first] = sessions;
@@ -119,14 +132,14 @@ export function parameterTable({ sessions, fields }) {
         }
         return cell;
       });
-      body.append(element("tr", {}, element("td", { title: field.definition }, field.label),
+      body.append(element("tr", {}, element("td", {}, definition(field)),
         element("td", {}, field.unit), ...cells,
         element("td", { class: "aim soft" }, aimOf(field, fields))));
     });
   }
   return element("section", { id: "parameters" }, element("h2", {}, "Metrics"),
     element("p", { class: "soft" }, "A light shows whether a value reaches its aim, is near it or misses it. Metrics without a ",
-      "known aim have none. Point at a name to see its definition."),
+      "known aim have none. ", element("span", { class: "screen" }, "Tap a name to see its definition.")),
     element("div", { class: "wide" }, element("table", {}, element("thead", {}, head), body)));
 }
 

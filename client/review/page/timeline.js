@@ -40,7 +40,8 @@ export class Timeline {
         width: width(),
         height,
         cursor: { sync: { key: common.key, setSeries: true }, points: { size: 6 } },
-        scales: { x: { time: false } },
+        // From 0 s on, unless zoomed: the first sample lies after it, and its time is no round number.
+        scales: { x: { time: false, range: (chart, low, high) => [low === chart.data[0][0] ? 0 : low, high] } },
         axes: [{ size: 28, values: (_, all) => all.map((value) => `${value} s`) }, { size: 46 }],
         series: [{ label: "Time", value: (_, value) => (value === null ? "–" : `${value.toFixed(2)} s`) },
           ...this.sessions.map((session, index) => ({

@@ -73,7 +73,8 @@ struct ExpectationResult {
     std::string found;  ///< the numbers found
 };
 
-/// `agrees` and `disagrees` if the interval of the difference excludes zero, or, for a range, by the mean.
+/// `agrees` and `disagrees` if the test rejects "no difference" (the interval, its dual, excludes zero), or,
+/// for a range, by the mean.
 [[nodiscard]] std::vector<ExpectationResult> check_expectations(const Comparison& comparison,
                                                                 const std::vector<Expectation>& expectations);
 

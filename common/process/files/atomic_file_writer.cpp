@@ -29,6 +29,16 @@ void AtomicFileWriter::finish() {
     std::filesystem::rename(temporary_path_, name_);
 }
 
+std::string full_disk_reason(std::string_view message) {
+    for (const int error : {ENOSPC, EDQUOT, EFBIG}) {
+        const std::string reason = std::strerror(error);
+        if (message.find(reason) != std::string_view::npos) {
+            return reason;
+        }
+    }
+    return "";
+}
+
 std::string write_file_atomically(const std::filesystem::path& name, std::string_view bytes) {
     if (const std::string kind = describe_blocking_entry(name); !kind.empty()) {
         return "is " + kind;

@@ -33,6 +33,10 @@ class AtomicFileWriter {
 /// left on device"), with the old file unchanged; empty on success.
 [[nodiscard]] std::string write_file_atomically(const std::filesystem::path& name, std::string_view bytes);
 
+/// The system's reason in a library's message if it says that there is no room ("No space left on device", a
+/// quota, a limit of a file's size); otherwise empty.
+[[nodiscard]] std::string full_disk_reason(std::string_view message);
+
 /// The bytes of an array of plain values.
 template <class Value>
 [[nodiscard]] std::string_view bytes_of(std::span<const Value> values) {

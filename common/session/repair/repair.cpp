@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -414,8 +415,9 @@ std::filesystem::path kept_as(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::vector<std::string> repair(const std::filesystem::path& path) {
-    hdf5::require_regular_file(path);
+namespace {
+
+std::vector<std::string> repair_beside(const std::filesystem::path& path) {
     if (is_being_written(path)) {
         throw hdf5::Error(
             fmt::format("{}: a running program is recording to this file; end it first", path.string()));
@@ -442,7 +444,10 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     std::size_t from_tail = 0;
     try {
         from_tail = merge_tail(copy.path());
-    } catch (const hdf5::Error&) {  // damaged: what can be read without it
+    } catch (const hdf5::Error& error) {  // damaged: what can be read without it
+        if (!full_disk_reason(error.what()).empty()) {
+            throw;
+        }
         std::filesystem::copy_file(path, copy.path(), std::filesystem::copy_options::overwrite_existing);
         if (marked) {
             clear_mark(copy.path());
@@ -474,6 +479,36 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
     std::filesystem::rename(rewritten.path(), path);
     done.push_back(fmt::format("wrote all readable data to a new file; the old one is {}", kept.string()));
     return done;
+}
+
+}  // namespace
+
+std::vector<std::string> repair(const std::filesystem::path& path) {
+    hdf5::require_regular_file(path);
+    const auto refuse_full_disk = [&](const std::string& why) {
+        const double megabytes = 2e-6 * static_cast<double>(std::filesystem::file_size(path));
+        throw hdf5::Error(
+            fmt::format("{}: cannot be repaired: {}; the file is unchanged. A repair writes copies beside "
+                        "it: free {:.0f} MB "
+                        "there, or copy the file to another disk and repair it there",
+                        path.string(), why, std::max(1.0, std::ceil(megabytes))));
+    };
+    try {
+        return repair_beside(path);
+    } catch (const hdf5::Error& error) {
+        if (const std::string why = full_disk_reason(error.what()); !why.empty()) {
+            refuse_full_disk(why);
+        }
+        throw;
+    } catch (const std::filesystem::filesystem_error& error) {
+        // Copying a file to a full disk may end in "Input/output error".
+        std::error_code ignored;
+        const bool full =
+            std::filesystem::space(path.parent_path().empty() ? "." : path.parent_path(), ignored).available <
+            std::filesystem::file_size(path, ignored);
+        refuse_full_disk(full ? std::strerror(ENOSPC) : error.code().message());
+        throw;
+    }
 }
 
 }  // namespace eti::session

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 
@@ -16,17 +17,26 @@ namespace eti::imaging {
 /// NRRD versions 1-5 in a single file, raw or gzip (teem.sourceforge.net/nrrd/format.html).
 [[nodiscard]] Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file);
 
-/// NIfTI-1 in a single file, optionally compressed (nifti.nimh.nih.gov, nifti1.h).
-[[nodiscard]] Volume parse_nifti(std::span<const std::uint8_t> data, const std::string& file);
+/// Names of the segments by label value, as 3D Slicer stores them in a .seg.nrrd; empty for other files.
+[[nodiscard]] std::map<int, std::string> parse_segment_names(std::span<const std::uint8_t> data,
+                                                             const std::string& file);
+
+/// NIfTI-1 in a single file, optionally compressed (nifti.nimh.nih.gov, nifti1.h). What the user should know
+/// of a doubtful header is appended to `remarks`.
+[[nodiscard]] Volume parse_nifti(std::span<const std::uint8_t> data, const std::string& file,
+                                 std::vector<std::string>* remarks = nullptr);
 
 /// An InVesalius 3 project: a tar archive, optionally compressed, of main.plist and the matrix that it names.
 /// The format has no directions. As InVesalius stores them, axial slices are taken to run upwards, rows from
 /// the back of the head to the nose, columns from the patient's right to the left.
 [[nodiscard]] Volume parse_inv3(std::span<const std::uint8_t> data, const std::string& file);
 
-/// CT slices of one series, or one multi-frame file, read with GDCM. If the folder has several series, the
-/// one with most slices is read and the others are listed in `remarks`.
-[[nodiscard]] Volume read_dicom(const std::filesystem::path& folder, std::vector<std::string>& remarks);
+/// CT slices of one series, or one multi-frame file, read with GDCM. A folder is searched with the folders in
+/// it. What is no CT slice is left out and listed in `remarks`, in one line: DICOMDIR, reports, other
+/// modalities, scout images, screen captures, objects without pixels, other series. Of several series the one
+/// named `series` is read; without a name, the one with most slices among those that form a volume.
+[[nodiscard]] Volume read_dicom(const std::filesystem::path& path, std::vector<std::string>& remarks,
+                                const std::string& series = {});
 
 enum class Format : std::uint8_t { nrrd, nifti };
 /// Format by file name: .nrrd, .nii or .nii.gz; throws VolumeError for any other.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "server/patient/imaging/formats.hpp"
 
@@ -36,6 +37,12 @@ constexpr std::size_t at_magic = 344;
 
 const Vec3d from_ras(-1, -1, 1);
 
+/// Directions and spacing [the file's unit, RAS], and the first voxel's position.
+struct Axes {
+    Eigen::Matrix3d step = Eigen::Matrix3d::Zero();
+    Vec3d origin = Vec3d::Zero();
+};
+
 /// Position and directions: sform before qform, as nifti1.h advises. The file's space is RAS.
 Geometry nifti_geometry(const std::uint8_t* header, bool swap, const std::string& file) {
     Geometry geometry;
@@ -53,41 +60,54 @@ Geometry nifti_geometry(const std::uint8_t* header, bool swap, const std::string
         default:
             break;
     }
-    Eigen::Matrix3d step;
-    Vec3d origin;
+    std::optional<Axes> sform, qform;
     if (load<std::int16_t>(header + at_sform, swap) > 0) {
+        sform.emplace();
         for (int row = 0; row < 3; ++row) {
             const std::uint8_t* at = header + at_srow + 16 * static_cast<std::size_t>(row);
             for (int column = 0; column < 3; ++column) {
-                step(row, column) = load<float>(at + 4 * static_cast<std::size_t>(column), swap);
+                sform->step(row, column) = load<float>(at + 4 * static_cast<std::size_t>(column), swap);
             }
-            origin[row] = load<float>(at + 12, swap);
+            sform->origin[row] = load<float>(at + 12, swap);
         }
-    } else if (load<std::int16_t>(header + at_qform, swap) > 0) {
+    }
+    if (load<std::int16_t>(header + at_qform, swap) > 0) {
+        qform.emplace();
         const double b = load<float>(header + at_quaternion, swap);
         const double c = load<float>(header + at_quaternion + 4, swap);
         const double d = load<float>(header + at_quaternion + 8, swap);
         const double a = std::sqrt(std::max(0.0, 1.0 - b * b - c * c - d * d));
         const double handed = load<float>(header + at_pixdim, swap) < 0.0f ? -1.0 : 1.0;
-        step = Eigen::Quaterniond(a, b, c, d).normalized().toRotationMatrix();
+        qform->step = Eigen::Quaterniond(a, b, c, d).normalized().toRotationMatrix();
         for (int k = 0; k < 3; ++k) {
             const double spacing =
                 load<float>(header + at_pixdim + 4 * static_cast<std::size_t>(k + 1), swap);
-            step.col(k) *= k == 2 ? handed * spacing : spacing;
-            origin[k] = load<float>(header + at_qoffset + 4 * static_cast<std::size_t>(k), swap);
+            qform->step.col(k) *= k == 2 ? handed * spacing : spacing;
+            qform->origin[k] = load<float>(header + at_qoffset + 4 * static_cast<std::size_t>(k), swap);
         }
-    } else {
+    }
+    if (!sform && !qform) {
         refuse_nifti(file, "the header lacks the patient's directions (qform and sform codes are 0)",
                      "one of them", "export it with its orientation");
     }
-    geometry.origin = unit * from_ras.cwiseProduct(origin);
-    geometry.step = unit * from_ras.asDiagonal() * step;
+    // Left and right cannot be told apart in the image itself.
+    if (sform && qform && sform->step.determinant() * qform->step.determinant() < 0.0) {
+        refuse_nifti(
+            file, "sform and qform contradict each other: one is the mirror image of the other",
+            "the same handedness of both",
+            "find out which is right, and set the code of the other to 0 (fslorient -setqformcode 0 or "
+            "-setsformcode 0; nibabel: set_qform(None) or set_sform(None))");
+    }
+    const Axes& axes = sform ? *sform : *qform;
+    geometry.origin = unit * from_ras.cwiseProduct(axes.origin);
+    geometry.step = unit * from_ras.asDiagonal() * axes.step;
     return geometry;
 }
 
 }  // namespace
 
-Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file) {
+Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file,
+                   std::vector<std::string>* remarks) {
     Bytes unpacked;
     std::span<const std::uint8_t> data = packed;
     const bool compressed = is_gzip(packed);
@@ -132,7 +152,9 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
         refuse_nifti(file, fmt::format("the data type is {}", code), "a scalar type",
                      "export one scalar volume");
     }
-    const double offset = load<float>(header + at_offset, swap);
+    const double stated_offset = load<float>(header + at_offset, swap);
+    // 0 in a single file stands for "after the header", as nibabel reads it.
+    const double offset = stated_offset == 0.0 ? static_cast<double>(data_begin) : stated_offset;
     if (!(offset >= static_cast<double>(data_begin) && offset < 1e8)) {
         refuse_nifti(file, fmt::format("the voxels begin at byte {}", offset), "352 or later",
                      "the header is damaged; export it again");
@@ -150,9 +172,22 @@ Volume parse_nifti(std::span<const std::uint8_t> packed, const std::string& file
                      fmt::format("{}", bytes), "the file is truncated; copy or export it again");
     }
     volume.value = to_floats(data.subspan(begin, bytes), type->second, swap);
-    float slope = load<float>(data.data() + at_slope, swap);
-    float intercept = load<float>(data.data() + at_intercept, swap);
-    if (slope != 0.0f) {  // 0: unscaled values (nifti1.h)
+    const float slope = load<float>(data.data() + at_slope, swap);
+    const float intercept = load<float>(data.data() + at_intercept, swap);
+    if (!std::isfinite(slope)) {
+        // nibabel writes an undefined scale as NaN.
+        if (remarks != nullptr) {
+            remarks->push_back(
+                fmt::format("{}: NIfTI: scl_slope is {}; the values are taken as stored. If they are not "
+                            "Hounsfield units, "
+                            "export the file again with its scale",
+                            file, slope));
+        }
+    } else if (slope != 0.0f) {  // 0: unscaled values (nifti1.h)
+        if (!std::isfinite(intercept)) {
+            refuse_nifti(file, fmt::format("scl_inter is {}", intercept), "a finite value",
+                         "export it again with its scale");
+        }
         for (float& v : volume.value) {
             v = slope * v + intercept;
         }

@@ -44,7 +44,8 @@ class Header {
                        "correct the header");
             }
             if (text.compare(colon, 2, ":=") == 0) {
-                continue;  // key/value pairs are free text
+                pairs_[text.substr(0, colon)] = text.substr(colon + 2);
+                continue;
             }
             std::string value = text.substr(colon + 1);
             value.erase(0, value.find_first_not_of(" \t"));
@@ -63,6 +64,12 @@ class Header {
     [[nodiscard]] std::optional<std::string> find(const std::string& field) const {
         const auto it = fields_.find(field);
         return it == fields_.end() ? std::nullopt : std::optional(it->second);
+    }
+
+    /// The value of a key/value pair, which is free text.
+    [[nodiscard]] std::optional<std::string> pair(const std::string& key) const {
+        const auto it = pairs_.find(key);
+        return it == pairs_.end() ? std::nullopt : std::optional(it->second);
     }
 
     [[nodiscard]] std::string need(const std::string& field, const std::string& expected) const {
@@ -104,7 +111,7 @@ class Header {
 
   private:
     std::string file_;
-    std::map<std::string, std::string> fields_;
+    std::map<std::string, std::string> fields_, pairs_;
     std::size_t begin_ = 0;
 };
 
@@ -241,6 +248,28 @@ Volume parse_nrrd(std::span<const std::uint8_t> data, const std::string& file) {
     }
     volume.value = to_floats(body.first(bytes), type, swap);
     return volume;
+}
+
+std::map<int, std::string> parse_segment_names(std::span<const std::uint8_t> data, const std::string& file) {
+    const Header header(data, file);
+    std::map<int, std::string> names;
+    for (int i = 0; i < 256; ++i) {
+        const auto name = header.pair(fmt::format("Segment{}_Name", i));
+        const auto value = header.pair(fmt::format("Segment{}_LabelValue", i));
+        if (!name && !value) {
+            break;
+        }
+        int label = i + 1;  // Slicer 4.10 and older: the number of the segment
+        if (value) {
+            const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), label);
+            if (error != std::errc() || label < 0 || label > 65535) {
+                header.refuse(fmt::format("Segment{}_LabelValue is '{}'", i, value->substr(0, 20)),
+                              "a number from 0 to 65535", "save the segmentation again");
+            }
+        }
+        names[label] = name.value_or("");
+    }
+    return names;
 }
 
 Bytes encode_nrrd(const Geometry& geometry, Scalar type, std::span<const std::uint8_t> data) {

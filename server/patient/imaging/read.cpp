@@ -33,15 +33,21 @@ class Channel : public MemfdPipe {
 
 enum Outcome : int { whole = 0, refused = 3 };
 
-int parse_into(const Channel& channel, const std::filesystem::path& path) {
+int parse_into(const Channel& channel, const std::filesystem::path& path, const std::string& series) {
     try {
-        const LoadedVolume reading = parse(path);
+        const LoadedVolume reading = parse(path, series);
         channel.put(reading.volume.geometry);
         channel.put(reading.volume.value.data(), reading.volume.value.size() * sizeof(float));
         const std::size_t remarks = reading.remarks.size();
         channel.put(&remarks, sizeof(remarks));
         for (const std::string& remark : reading.remarks) {
             channel.put(remark);
+        }
+        const std::size_t segments = reading.segments.size();
+        channel.put(&segments, sizeof(segments));
+        for (const auto& [value, segment] : reading.segments) {
+            channel.put(&value, sizeof(value));
+            channel.put(segment);
         }
         return whole;
     } catch (const std::bad_alloc&) {
@@ -60,25 +66,31 @@ int parse_into(const Channel& channel, const std::filesystem::path& path) {
 
 }  // namespace
 
-LoadedVolume parse(const std::filesystem::path& path) {
+LoadedVolume parse(const std::filesystem::path& path, const std::string& series) {
     const std::string name = path.string();
     std::error_code error;
     LoadedVolume reading;
     if (std::filesystem::is_directory(path, error)) {
-        reading.volume = read_dicom(path, reading.remarks);
+        reading.volume = read_dicom(path, reading.remarks, series);
     } else {
         const Bytes data = read_bytes(path);
+        if (!series.empty()) {
+            throw VolumeError(fmt::format(
+                "{}: is a file; expected a DICOM folder, as a series is chosen. Remedy: omit --series.",
+                name));
+        }
         const auto starts = [&](std::size_t at, std::string_view text) {
             return data.size() >= at + text.size() && std::equal(text.begin(), text.end(), data.begin() + at);
         };
         if (starts(0, "NRRD000")) {
             reading.volume = parse_nrrd(data, name);
+            reading.segments = parse_segment_names(data, name);
         } else if (starts(128, "DICM")) {
             reading.volume = read_dicom(path, reading.remarks);
         } else if (path.extension() == ".inv3") {
             reading.volume = parse_inv3(data, name);
         } else if (name.ends_with(".nii") || name.ends_with(".nii.gz") || starts(344, "n+1")) {
-            reading.volume = parse_nifti(data, name);
+            reading.volume = parse_nifti(data, name, &reading.remarks);
         } else {
             throw VolumeError(fmt::format(
                 "{}: unknown format; expected NRRD (.nrrd), NIfTI (.nii, .nii.gz), DICOM (a folder) or an "
@@ -91,9 +103,9 @@ LoadedVolume parse(const std::filesystem::path& path) {
     return reading;
 }
 
-LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits) {
+LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits, const std::string& series) {
     const Channel channel;
-    const GuardedResult ended = run_guarded([&] { return parse_into(channel, path); }, limits);
+    const GuardedResult ended = run_guarded([&] { return parse_into(channel, path, series); }, limits);
     if (ended.broken) {
         broken(path, *ended.broken);
     }
@@ -117,6 +129,12 @@ LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits) 
     }
     for (std::size_t i = 0; good && i < remarks; ++i) {
         good = channel.get(reading.remarks.emplace_back());
+    }
+    std::size_t segments = 0;
+    good = good && channel.get(&segments, sizeof(segments)) && segments < 1000;
+    for (std::size_t i = 0; good && i < segments; ++i) {
+        int value = 0;
+        good = channel.get(&value, sizeof(value)) && channel.get(reading.segments[value]);
     }
     if (!good) {
         broken(path, "an incomplete volume");

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,18 @@ namespace eti::imaging {
 struct LoadedVolume {
     Volume volume;
     std::vector<std::string> remarks;
+    std::map<int, std::string> segments;  ///< names by label value, where the file has them
 };
 
 /// Parses a DICOM folder or file, NRRD, NIfTI or an InVesalius project, distinguished by their first bytes.
 /// The volume is valid and all its values are finite. Throws VolumeError naming file, finding, expectation
-/// and remedy. A crash in a library would take the caller's process down: use read().
-[[nodiscard]] LoadedVolume parse(const std::filesystem::path& path);
+/// and remedy. `series`: see read_dicom(). A crash in a library would take the caller's process down: use
+/// read().
+[[nodiscard]] LoadedVolume parse(const std::filesystem::path& path, const std::string& series = {});
 
 /// Runs parse() in a child process with bounded time and memory: a crash or hang becomes a VolumeError.
-[[nodiscard]] LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits = {});
+[[nodiscard]] LoadedVolume read(const std::filesystem::path& path, const GuardLimits& limits = {},
+                                const std::string& series = {});
 
 /// Runs a parser of untrusted data in a child process with bounded time and memory, and returns its result.
 /// Its VolumeErrors are rethrown; a crash or hang becomes a VolumeError that names `name`.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -30,6 +31,10 @@ enum class Label : std::uint8_t {
 inline constexpr std::size_t label_count = 9;
 inline constexpr std::array<std::string_view, label_count> label_names = {
     "outside", "soft tissue", "bone", "airway", "mandible", "spine", "tongue", "epiglottis", "enclosed air"};
+
+/// The label of a structure by a name that contains its word ("Mandible left", "skin.stl"), in any case; the
+/// most specific word counts. Empty if there is none.
+[[nodiscard]] std::optional<Label> label_named(std::string_view name);
 
 [[nodiscard]] constexpr std::uint8_t value_of(Label label) {
     return static_cast<std::uint8_t>(label);

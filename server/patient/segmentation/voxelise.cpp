@@ -16,31 +16,9 @@ namespace eti::segmentation {
 
 namespace {
 
-struct Name {
-    const char* word;
-    Label label;
-};
-// In painting order: later labels cover earlier ones.
-constexpr std::array<Name, 11> names = {{{"skin", Label::soft},
-                                         {"body", Label::soft},
-                                         {"head", Label::soft},
-                                         {"tongue", Label::tongue},
-                                         {"epiglottis", Label::epiglottis},
-                                         {"bone", Label::bone},
-                                         {"skull", Label::bone},
-                                         {"spine", Label::spine},
-                                         {"mandible", Label::mandible},
-                                         {"jaw", Label::mandible},
-                                         {"airway", Label::airway}}};
-
-std::size_t named(const std::filesystem::path& file) {
-    std::string stem = file.stem().string();
-    std::ranges::transform(stem, stem.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    for (std::size_t k = names.size(); k-- > 0;) {
-        if (stem.find(names[k].word) != std::string::npos) {
-            return k;
-        }
+Label named(const std::filesystem::path& file) {
+    if (const auto label = label_named(file.stem().string())) {
+        return *label;
     }
     throw imaging::VolumeError(
         fmt::format("{}: its name does not indicate the structure; expected skin, airway, bone, mandible, "
@@ -48,8 +26,16 @@ std::size_t named(const std::filesystem::path& file) {
                     file.string()));
 }
 
+/// Order of painting: later labels cover earlier ones.
+constexpr std::array painting_order = {Label::soft,  Label::tongue,   Label::epiglottis, Label::bone,
+                                       Label::spine, Label::mandible, Label::airway,     Label::enclosed_air};
+
+std::ptrdiff_t painted_at(Label label) {
+    return std::ranges::find(painting_order, label) - painting_order.begin();
+}
+
 struct Surface {
-    std::size_t name = 0;
+    Label label = Label::soft;
     TriangleMesh mesh;
 };
 
@@ -67,6 +53,40 @@ Surface read_closed(const std::filesystem::path& file) {
                         at.x(), at.y(), at.z()));
     }
     return surface;
+}
+
+/// A surface in another unit would become a few voxels without a larynx, or too many. `skin` is one of
+/// `files`.
+void require_size_of_a_patient(const TriangleMesh& skin, const std::vector<std::filesystem::path>& files) {
+    Box box;
+    for (const Vec3f& v : skin.vertices) {
+        box.add(v.cast<double>());
+    }
+    const Vec3d size = 1e3 * (box.high - box.low);
+    // [mm], from half the head of the smallest newborn to an adult.
+    constexpr double least = 30.0, most = 2500.0;
+    if (size.maxCoeff() >= least && size.maxCoeff() <= most) {
+        return;
+    }
+    struct Unit {
+        double millimetres;
+        const char* name;
+    };
+    std::string guess;
+    for (const Unit& unit : {Unit{1000.0, "metres"}, Unit{10.0, "centimetres"}, Unit{0.001, "micrometres"}}) {
+        // A head, or a body; ten times the one is hardly the other.
+        if (guess.empty() && size.maxCoeff() * unit.millimetres >= 60.0 &&
+            size.maxCoeff() * unit.millimetres <= most) {
+            guess =
+                fmt::format(" The file seems to be in {}: scale it by {:g}.", unit.name, unit.millimetres);
+        }
+    }
+    const auto file =
+        std::ranges::find_if(files, [](const auto& path) { return named(path) == Label::soft; });
+    throw imaging::VolumeError(fmt::format(
+        "{}: the skin measures {:.3g} x {:.3g} x {:.3g} mm; expected {:g} to {:g} mm for the longest side. "
+        "Remedy: export all surfaces in millimetres.{}",
+        file->string(), size.x(), size.y(), size.z(), least, most, guess));
 }
 
 }  // namespace
@@ -89,12 +109,13 @@ imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double s
             box.add(v.cast<double>());
         }
     }
-    std::ranges::stable_sort(surfaces, {}, &Surface::name);
-    if (surfaces.empty() || names[surfaces.front().name].label != Label::soft) {
+    std::ranges::stable_sort(surfaces, {}, [](const Surface& surface) { return painted_at(surface.label); });
+    if (surfaces.empty() || surfaces.front().label != Label::soft) {
         throw imaging::VolumeError(
             "there is no surface of the skin; expected one that encloses the others. Remedy: export it as "
             "well, named 'skin'.");
     }
+    require_size_of_a_patient(surfaces.front().mesh, files);
     imaging::Mask labels;
     imaging::Geometry& g = labels.geometry;
     g.origin = box.low - Vec3d::Constant(2.0 * spacing);
@@ -106,8 +127,7 @@ imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double s
     imaging::require_valid(g, "surfaces");
     labels.value.assign(g.count(), value_of(Label::outside));
     for (const Surface& surface : surfaces) {
-        const Name& name = names[surface.name];
-        if (!progress(0.05f, name.word)) {
+        if (!progress(0.05f, label_names[value_of(surface.label)])) {
             throw CancelledError();
         }
         const DistanceGrid distance =
@@ -115,7 +135,7 @@ imaging::Mask voxelise(const std::vector<std::filesystem::path>& files, double s
                           static_cast<float>(spacing));
         for (std::size_t i = 0; i < labels.value.size(); ++i) {
             if (distance.value[i] < 0.0f) {
-                labels.value[i] = value_of(name.label);
+                labels.value[i] = value_of(surface.label);
             }
         }
     }

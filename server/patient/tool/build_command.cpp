@@ -22,6 +22,7 @@ struct BuildRequest {
     std::vector<std::filesystem::path> in;
     std::filesystem::path landmarks;
     std::filesystem::path volume;
+    std::string series;
     std::string scenario;
     std::filesystem::path out;
     std::optional<float> spacing_mm, fine_spacing_mm, surface_mm, region_mm, stiffness_kpa;
@@ -98,7 +99,7 @@ Result build_newborn(const BuildRequest& request, const ShapeOptions& options) {
 Result write_surfaces_only(const BuildRequest& request, const imaging::Mask& labels, const std::string& why) {
     std::optional<imaging::Volume> ct;
     if (!request.volume.empty()) {
-        ct = read_volume(request.volume).volume;
+        ct = read_volume(request.volume, request.series).volume;
     }
     const std::filesystem::path folder = stem_of_model(request.out) + "-surfaces";
     Result result = write_surfaces(make_surfaces(labels, ct ? &*ct : nullptr, {}, progress), folder);
@@ -123,7 +124,7 @@ Result build_labelled(const BuildRequest& request, const ShapeOptions& options) 
     constexpr double mesh_voxels = 0.5e-3;  // [m]
     const imaging::Mask labels =
         meshes ? voxelise(request.in, mesh_voxels, progress) : read_labels(request.in.front());
-    const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
+    const Points given = read_landmarks(request.landmarks);
     const patient::BuildSettings settings = settings_of(request, {});
     (void)progress(0.1f, "registering a newborn to the labels");
     std::optional<LabelledAnatomy> anatomy;
@@ -183,6 +184,7 @@ void add_build(CommandLine& app, Run& run) {
                      "Landmarks that override those found (3D Slicer, *.mrk.json), in the labels' frame");
     build.add_option("--volume", request->volume,
                      "The CT that was segmented: if no model can be built, surfaces follow its grey values");
+    build.add_option("--series", request->series, "Series Instance UID of that CT in a DICOM folder");
     build.add_option("--scenario", request->scenario, "The newborn of a scenario, by name or path");
     const ShapeOptions shape(build);
     build.add_option("--out", request->out, "Model to write (*.h5)").required();

@@ -33,10 +33,15 @@ class ShapeOptions {
     std::shared_ptr<Typed> typed_;
 };
 
-/// Reads a volume and prints its remarks. Throws imaging::VolumeError, CancelledError.
-[[nodiscard]] imaging::LoadedVolume read_volume(const std::filesystem::path& file);
-/// Reads labels with eti-anatomy's numbering.
+/// Reads a volume and prints its remarks. `series`: see imaging::read_dicom(). Throws imaging::VolumeError,
+/// CancelledError.
+[[nodiscard]] imaging::LoadedVolume read_volume(const std::filesystem::path& file,
+                                                const std::string& series = {});
+/// Reads labels with eti-anatomy's numbering, or a segmentation whose segments have names (.seg.nrrd).
 [[nodiscard]] imaging::Mask read_labels(const std::filesystem::path& file);
+
+/// Reads a points file and prints its remarks; no points for an empty name.
+[[nodiscard]] Points read_landmarks(const std::filesystem::path& file);
 
 /// Writes each surface as STL into a folder, which is created, and reports it.
 [[nodiscard]] Result write_surfaces(const std::vector<NamedSurface>& surfaces,

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -52,8 +53,12 @@ Result run_phantom(const PhantomSettings& settings, const path& out) {
     return result;
 }
 
+constexpr const char* series_help =
+    "Series Instance UID of the CT series in a DICOM folder [the one with most slices that forms a volume]";
+
 struct SegmentRequest {
     path in;
+    std::string series;
     path out;
     path landmarks;
     path truth;
@@ -81,8 +86,8 @@ Vec3d centre_of(const Segmentation& found) {
 
 Result run_segment(SegmentRequest request) {
     (void)imaging::format_of(request.out);
-    const Points given = request.landmarks.empty() ? Points{} : read_points(request.landmarks);
-    const imaging::Volume ct = read_volume(request.in).volume;
+    const Points given = read_landmarks(request.landmarks);
+    const imaging::Volume ct = read_volume(request.in, request.series).volume;
     std::optional<imaging::Mask> truth;
     if (!request.truth.empty()) {
         truth = read_labels(request.truth);
@@ -122,7 +127,16 @@ Result run_segment(SegmentRequest request) {
         result.text += fmt::format("\nthe head is rotated by {:.0f} degrees from the file's directions\n",
                                    found.turn / static_cast<double>(degree));
     }
+    result.json["noise_hu"] = found.noise;
+    result.json["tongue_contrast_to_noise"] = std::isfinite(found.tongue_contrast_to_noise)
+                                                  ? nlohmann::ordered_json(found.tongue_contrast_to_noise)
+                                                  : nlohmann::ordered_json();
     result.json["contradictions"] = found.contradictions;
+    result.json["uncertainties"] = found.uncertainties;
+    for (const std::string& what : found.uncertainties) {
+        remark("low confidence: " + what);
+        result.status = status_uncertain;
+    }
     for (const std::string& what : found.contradictions) {
         remark("doubtful: " + what);
         result.status = status_doubtful;
@@ -154,12 +168,12 @@ Result run_segment(SegmentRequest request) {
     return result;
 }
 
-Result run_surfaces(const path& in, const path& ct_file, const path& folder,
+Result run_surfaces(const path& in, const path& ct_file, const std::string& series, const path& folder,
                     const SurfaceSettings& settings) {
     const imaging::Mask labels = read_labels(in);
     std::optional<imaging::Volume> ct;
     if (!ct_file.empty()) {
-        ct = read_volume(ct_file).volume;
+        ct = read_volume(ct_file, series).volume;
     }
     std::vector<NamedSurface> surfaces;
     try {
@@ -204,6 +218,11 @@ int main(int argc, char** argv) {
         .add_number("--noise-hu", phantom_settings.noise, "Standard deviation of the noise",
                     {0.0f, 200.0f, "HU"})
         .capture_default_str();
+    double gantry_tilt_deg = 0.0;
+    phantom
+        .add_number("--gantry-tilt-deg", gantry_tilt_deg, "Tilt of the scanner's gantry about left-right",
+                    {0.0, 30.0, "deg"})
+        .capture_default_str();
     phantom.add_number("--seed", phantom_settings.seed, "Seed of the noise", {0}).capture_default_str();
     phantom.add_option("--out", phantom_out, "CT volume to write (.nrrd, .nii, .nii.gz)").required();
 
@@ -215,6 +234,7 @@ int main(int argc, char** argv) {
     const NumberLimits<float> hounsfield{-1024.0f, 3071.0f, "HU"};
     double closing_mm = 1e3 * static_cast<double>(request.settings.closing);
     segment.add_option("IN", request.in, "DICOM folder, NRRD, NIfTI or InVesalius project").required();
+    segment.add_option("--series", request.series, series_help);
     segment.add_option("--out", request.out, "Labels to write (.nrrd, .nii, .nii.gz)").required();
     segment.add_option("--landmarks", request.landmarks,
                        "Points 'mandible', 'skull', 'spine', 'tongue', 'mouth' to start from instead of "
@@ -231,6 +251,11 @@ int main(int argc, char** argv) {
                     {0.0, 30.0, "mm"})
         .capture_default_str();
 
+    segment.footer(
+        "Exit status: 0 labels that nothing contradicts; 1 refused; 2 wrong usage; 4 labels with "
+        "contradictions "
+        "(doubtful); 5 labels of low confidence, because of noise.");
+
     CommandLine surfaces = app.add_subcommand(
         "surfaces", "Turn labels into closed surfaces of skin, bone and airway (STL, in mm)");
     path labels;
@@ -239,6 +264,8 @@ int main(int argc, char** argv) {
     SurfaceSettings surface_settings;
     surfaces.add_option("LABELS", labels, "Labels written by 'segment', or with the same numbers").required();
     surfaces.add_option("--volume", ct, "The CT that was segmented: surfaces then follow its grey values");
+    std::string ct_series;
+    surfaces.add_option("--series", ct_series, series_help);
     surfaces.add_option("--out", folder, "Output folder; created if missing").required();
     const NumberLimits<std::size_t> triangles{4, 10'000'000, "triangles"};
     surfaces.add_number("--skin-triangles", surface_settings.skin_triangles, "At most so many", triangles)
@@ -267,6 +294,7 @@ int main(int argc, char** argv) {
         Result result;
         if (phantom.parsed()) {
             phantom_settings.spacing = static_cast<float>(1e-3 * spacing_mm);
+            phantom_settings.gantry_tilt = static_cast<float>(gantry_tilt_deg) * degree;
             phantom_settings.newborn = phantom_shape.shape();
             phantom_settings.newborn.jaw_opening = static_cast<float>(jaw_opening_deg) * degree;
             result = run_phantom(phantom_settings, phantom_out);
@@ -274,7 +302,7 @@ int main(int argc, char** argv) {
             request.settings.closing = static_cast<float>(1e-3 * closing_mm);
             result = run_segment(request);
         } else if (surfaces.parsed()) {
-            result = run_surfaces(labels, ct, folder, surface_settings);
+            result = run_surfaces(labels, ct, ct_series, folder, surface_settings);
         } else {
             result = run();
         }

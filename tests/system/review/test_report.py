@@ -78,6 +78,14 @@ class Report(support.Case):
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
         self.addCleanup(self.browser.quit)
+        # What is drawn on canvases, such as the labels of axes, is no text of the page.
+        self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": """
+            window.drawnTexts = [];
+            const fillText = CanvasRenderingContext2D.prototype.fillText;
+            CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+              window.drawnTexts.push(text);
+              return fillText.call(this, text, ...rest);
+            };"""})
         self.browser.get(self.file.as_uri())
         WebDriverWait(self.browser, 120).until(lambda _: self.find("#anatomy[data-ready]"))
 
@@ -152,7 +160,14 @@ class Report(support.Case):
         self.page(expert, novice)
         summary = self.assert_numbers(self.cells(), expert)
         self.assertEqual(self.text("#outcome .outcome"), "Intubated Intubated")
-        self.assertIn(summary["reason"], self.text("#outcome .reason"))
+        # One reason, with one depth, for each attempt: the run's is the last attempt's.
+        first = self.find("#outcome .columns > div")[0].text
+        self.assertEqual(len(summary["attempts"]), 1)
+        self.assertEqual(first.count(summary["attempts"][0]["reason"]), 1)
+        self.assertEqual(len(re.findall("past the glottis", first)), 1, first)
+        # Each chart's axis begins at 0 s, though the first sample is later.
+        labels = self.browser.execute_script("return window.drawnTexts")
+        self.assertGreaterEqual(labels.count("0 s"), len(self.find(".uplot")))
         self.assertIn("to the first", self.text("#parameters td[data-column='1']"))
         # The legend switches a session's line in every chart.
         legend = self.find(".uplot .u-legend .u-series:nth-child(3) th")[0]
@@ -171,6 +186,29 @@ class Report(support.Case):
         self.browser.execute_script("scrollTo(0, 0)")
         with Image.open(self.keep("desktop")) as picture:
             self.assertGreater(numpy.asarray(picture.convert("L")).std(), 10)
+
+    def tap(self, element):
+        """A touch, as on a phone."""
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
+        box = self.browser.execute_script("const b = arguments[0].getBoundingClientRect(); return [b.x, b.y];", element)
+        point = {"x": box[0] + 5, "y": box[1] + 5}
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+        self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [point]})
+        self.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
+
+    def assert_headings_stay_with_their_content(self):
+        """On paper no heading, introduction or head of a table is the last of a page, and no chart is divided."""
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        styles = self.browser.execute_script("""
+            const value = (selector, name) => [...document.querySelectorAll(selector)].map((one) =>
+                getComputedStyle(one)[name]);
+            return [value("h1, h2, h3, h2 + p, tr.part, thead", "breakAfter"), value(".uplot, tr, figure, h2 + p", "breakInside")];
+            """)
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+        for found in styles:
+            self.assertGreater(len(found), 10)
+            self.assertEqual(set(found), {"avoid"})
 
     def contributions(self, column):
         """Contributions to a session's score, by key and in the order of the page: label and log odds."""
@@ -256,6 +294,15 @@ class Report(support.Case):
         self.assertEqual(self.find("#score, [data-grade]"), [])
         self.assertEqual([one.text for one in self.find("h2") if "score" in one.text.lower()], [])
         self.assertGreater(len(self.cells()), 20)
+        # A tap shows a definition.
+        self.assertEqual(self.find("#parameters [title]"), [])
+        names = self.find("#parameters .definition summary")
+        self.assertEqual(len(names), len(self.cells()))
+        shown = self.find("#parameters .definition > div")[0]
+        self.assertFalse(shown.is_displayed())
+        self.tap(names[0])
+        support.wait_until(shown.is_displayed, "a definition")
+        self.assertGreater(len(shown.text), 10)
         # A click on an event shows its moment, from which it can be played.
         event = self.find("#events button.moment")[1]
         event.click()
@@ -276,6 +323,7 @@ class Report(support.Case):
         (Path(SHOTS or self.folder) / "printed.pdf").write_bytes(pdf)
         sizes = set(re.findall(rb"/MediaBox ?\[([0-9. ]+)\]", pdf))
         self.assertEqual({tuple(round(float(one)) for one in size.split()) for size in sizes}, {(0, 0, 595, 842)})
+        self.assert_headings_stay_with_their_content()
         self.assert_quiet()
 
     def test_hostile_text_is_escaped(self):

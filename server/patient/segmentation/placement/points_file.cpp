@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/model/landmark.hpp"
+#include "common/process/escaped.hpp"
 #include "server/patient/imaging/bytes.hpp"
 #include "server/patient/imaging/volume.hpp"
 
@@ -21,6 +22,15 @@ constexpr std::array<std::string_view, 5> seed_names = {"mandible", "skull", "sp
         fmt::format("{}: landmarks: {}; expected {}. Remedy: {}.", file.string(), found, expected, remedy));
 }
 
+/// A code, or code, scheme and meaning (DICOM's coded entry, as newer versions of Slicer write).
+std::string unit_of(const nlohmann::json& markup) {
+    const auto unit = markup.find("coordinateUnits");
+    if (unit == markup.end()) {
+        return "mm";
+    }
+    return unit->is_array() && !unit->empty() ? unit->front().get<std::string>() : unit->get<std::string>();
+}
+
 }  // namespace
 
 bool is_known_point(const std::string& name) {
@@ -28,7 +38,7 @@ bool is_known_point(const std::string& name) {
            find_landmark(name).has_value();
 }
 
-Points read_points(const std::filesystem::path& file) {
+Points read_points(const std::filesystem::path& file, std::vector<std::string>& remarks) {
     constexpr std::size_t longest = 1 << 20;
     const imaging::Bytes text = imaging::read_bytes(file, longest);
     Points points;
@@ -40,7 +50,7 @@ Points read_points(const std::filesystem::path& file) {
                 refuse(file, fmt::format("the coordinate system is '{}'", system), "LPS or RAS",
                        "save it in one of these");
             }
-            if (const std::string unit = markup.value("coordinateUnits", "mm"); unit != "mm") {
+            if (const std::string unit = unit_of(markup); unit != "mm") {
                 refuse(file, fmt::format("the unit is '{}'", unit), "mm", "save it in millimetres");
             }
             const double sign = system == "LPS" ? 1.0 : -1.0;
@@ -50,6 +60,13 @@ Points read_points(const std::filesystem::path& file) {
                     refuse(file, fmt::format("a point is named '{}'", name.substr(0, 60)),
                            "mandible, skull, spine, tongue, mouth or a landmark's name such as tongue_tip",
                            "rename it");
+                }
+                // A point that was named in Slicer, but not placed, has a position that means nothing.
+                if (const std::string status = point.value("positionStatus", "defined");
+                    status != "defined") {
+                    remarks.push_back(fmt::format("{}: ignored a point '{}' whose position is {}",
+                                                  file.string(), name, escaped(status, max_shown_bytes)));
+                    continue;
                 }
                 const auto at = point.at("position").get<std::array<double, 3>>();
                 const Vec3d place = 1e-3 * Vec3d(sign * at[0], sign * at[1], at[2]);

@@ -15,8 +15,9 @@ namespace eti::segmentation {
 [[nodiscard]] bool is_known_point(const std::string& name);
 
 /// Reads a points file of 3D Slicer (markups, *.mrk.json), in mm, LPS or RAS. Throws imaging::VolumeError
-/// naming file, finding, expectation and remedy.
-[[nodiscard]] Points read_points(const std::filesystem::path& file);
+/// naming file, finding, expectation and remedy. Points without a defined position are left out and listed in
+/// `remarks`.
+[[nodiscard]] Points read_points(const std::filesystem::path& file, std::vector<std::string>& remarks);
 
 /// Encodes such a file, in LPS.
 [[nodiscard]] std::string encode_points(const Points& points);

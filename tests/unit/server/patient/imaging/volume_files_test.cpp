@@ -186,6 +186,60 @@ TEST_F(VolumeFiles, NiftiQuaternionGivesDirections) {
     EXPECT_LT((back.geometry.origin - volume.geometry.origin).norm(), 1e-8);
 }
 
+TEST_F(VolumeFiles, MirroredNiftiFormsAreRefused) {
+    const Volume volume = sample();
+    Bytes file = encode_nifti(volume.geometry, Scalar::i16, i16(volume));
+    const auto put_at = [&](std::size_t at, auto value) {
+        std::memcpy(file.data() + at, &value, sizeof(value));
+    };
+    // The sample's directions in RAS have a positive determinant. A qform of any rotation has the sign of
+    // pixdim[0].
+    ASSERT_GT(volume.geometry.step.determinant(), 0.0);
+    put_at(252, std::int16_t{1});
+    put_at(76, 1.0f);
+    EXPECT_NO_THROW((void)read(put("same.nii", file)));
+    put_at(76, -1.0f);
+    expect_refused(put("mirrored.nii", file), "mirror image");
+    put_at(252, std::int16_t{0});
+    EXPECT_NO_THROW((void)read(put("sform.nii", file)));
+}
+
+TEST_F(VolumeFiles, UndefinedNiftiScaleIsRemarked) {
+    const Volume volume = sample();
+    Bytes file = encode_nifti(volume.geometry, Scalar::i16, i16(volume));
+    const auto put_at = [&](std::size_t at, float value) {
+        std::memcpy(file.data() + at, &value, sizeof(value));
+    };
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    put_at(112, nan);
+    put_at(116, nan);
+    const LoadedVolume undefined = read(put("nan.nii", file));
+    expect_same(undefined.volume, volume);
+    ASSERT_EQ(undefined.remarks.size(), 1u);
+    EXPECT_NE(undefined.remarks[0].find("scl_slope is nan"), std::string::npos) << undefined.remarks[0];
+    put_at(112, 0.0f);  // unscaled, by nifti1.h
+    EXPECT_TRUE(read(put("zero.nii", file)).remarks.empty());
+    put_at(112, 2.0f);
+    expect_refused(put("inter.nii", file), "scl_inter is nan");
+    put_at(116, 0.0f);
+    put_at(112, 1.0f);
+    put_at(108, 0.0f);  // vox_offset
+    expect_same(read(put("offset.nii", file)).volume, volume);
+}
+
+TEST_F(VolumeFiles, SegmentNamesAreRead) {
+    Bytes file = nrrd_with("", "", Bytes(7 * 6 * 5, 1), "uchar");
+    const std::string pairs =
+        "Segment0_ID:=a\nSegment0_LabelValue:=3\nSegment0_Name:=Tongue\nSegment1_LabelValue:=1\n"
+        "Segment1_Name:=Lower jaw\n";
+    const auto end = std::search_n(file.begin(), file.end(), 2, std::uint8_t{'\n'}) + 1;
+    file.insert(end, pairs.begin(), pairs.end());
+    const LoadedVolume reading = read(put("a.seg.nrrd", file));
+    EXPECT_EQ(reading.segments, (std::map<int, std::string>{{1, "Lower jaw"}, {3, "Tongue"}}));
+    file[std::string(file.begin(), file.end()).find("LabelValue:=3") + 12] = 'x';
+    expect_refused(put("b.seg.nrrd", file), "Segment0_LabelValue is 'x'");
+}
+
 TEST_F(VolumeFiles, UnknownAndMissingFilesAreRefused) {
     expect_refused(put("a.txt", Bytes{'h', 'i'}), "unknown format");
     expect_refused(put("empty.nrrd", Bytes{}), "unknown format");

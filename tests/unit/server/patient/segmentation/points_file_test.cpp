@@ -26,7 +26,7 @@ class PointsFile : public ::testing::Test {
     void expect_refused(const std::string& text, const std::string& said) const {
         imaging::write_text(file, text);
         try {
-            (void)read_points(file);
+            (void)read_points(file, remarks);
             ADD_FAILURE() << text << " was accepted";
         } catch (const imaging::VolumeError& error) {
             const std::string message = error.what();
@@ -42,11 +42,12 @@ class PointsFile : public ::testing::Test {
     }
 
     std::filesystem::path file;
+    mutable std::vector<std::string> remarks;
 };
 
 TEST_F(PointsFile, RoundTripPreservesPoints) {
     imaging::write_text(file, encode_points(points));
-    const Points back = read_points(file);
+    const Points back = read_points(file, remarks);
     ASSERT_EQ(back.size(), 2u);
     ASSERT_EQ(back.at("spine").size(), 2u);
     EXPECT_LT((back.at("spine")[1] - points.at("spine")[1]).norm(), 1e-9);
@@ -55,7 +56,24 @@ TEST_F(PointsFile, RoundTripPreservesPoints) {
 
 TEST_F(PointsFile, RasIsConvertedToLps) {
     imaging::write_text(file, with("\"LPS\"", "\"RAS\""));
-    EXPECT_LT((read_points(file).at("tongue")[0] - Vec3d(-0.001, -0.021, -0.0125)).norm(), 1e-9);
+    EXPECT_LT((read_points(file, remarks).at("tongue")[0] - Vec3d(-0.001, -0.021, -0.0125)).norm(), 1e-9);
+}
+
+TEST_F(PointsFile, UndefinedPointsAreLeftOut) {
+    // As Slicer saves a point that was named, but not yet placed.
+    const std::string undefined =
+        R"({"markups": [{"coordinateSystem": "LPS", "coordinateUnits": ["mm", "UCUM", "millimeter"],
+            "controlPoints": [
+              {"label": "tongue", "position": [1, 2, 3], "positionStatus": "defined"},
+              {"label": "tongue", "position": [0, 0, 0], "positionStatus": "undefined"},
+              {"label": "spine", "position": [0, 0, 0], "positionStatus": "preview"}]}]})";
+    imaging::write_text(file, undefined);
+    const Points found = read_points(file, remarks);
+    ASSERT_EQ(found.size(), 1u);
+    ASSERT_EQ(found.at("tongue").size(), 1u);
+    EXPECT_LT((found.at("tongue")[0] - Vec3d(0.001, 0.002, 0.003)).norm(), 1e-12);
+    ASSERT_EQ(remarks.size(), 2u);
+    EXPECT_NE(remarks[0].find("'tongue' whose position is undefined"), std::string::npos) << remarks[0];
 }
 
 TEST_F(PointsFile, MalformedPointsAreRefused) {
@@ -65,7 +83,7 @@ TEST_F(PointsFile, MalformedPointsAreRefused) {
     expect_refused(with("-12.5", "1e300"), "tongue");
     expect_refused("{}", "markups");
     expect_refused("[[[", "parse");
-    EXPECT_THROW((void)read_points(file.string() + ".absent"), imaging::VolumeError);
+    EXPECT_THROW((void)read_points(file.string() + ".absent", remarks), imaging::VolumeError);
 }
 
 TEST_F(PointsFile, DamagedFilesAreRefusedOrHarmless) {
@@ -79,7 +97,7 @@ TEST_F(PointsFile, DamagedFilesAreRefusedOrHarmless) {
         }
         imaging::write_text(file, text);
         try {
-            (void)read_points(file);
+            (void)read_points(file, remarks);
         } catch (const imaging::VolumeError&) {
             ++refused;
         }
