@@ -49,6 +49,9 @@ constexpr double linger_after_operator = 0.5;  // [s]
 // threads spin for work a while before they sleep.
 constexpr double min_idle_share = 0.15;  // of a step
 
+// Haptic devices have faded their force out by then (0.3 s); a proxy that is only seen would end it at once.
+constexpr std::uint64_t steps_until_silent = steps_per_second / 2;
+
 /// Raises the simulation's priority above everything outside the haptic loop during its lifetime. Not for
 /// runs faster than real time: they would starve other processes.
 class RealTimePriorityScope {
@@ -341,8 +344,10 @@ class Session {
                                               fmt::format("{} {}", state.name, what)});
     }
 
+    /// Time stands still only at a step whose measures are published, so that shape and measures of the
+    /// standing moment agree.
     [[nodiscard]] bool frozen() const {
-        return scenario_.freeze_on_silence &&
+        return scenario_.freeze_on_silence && simulation_->snapshot().step % steps_per_view_check == 0 &&
                (laryngoscope_.presence == msg::DEVICE_SILENT || tube_.presence == msg::DEVICE_SILENT);
     }
 
@@ -370,10 +375,14 @@ class Session {
             StatusValues now = status(clock);
             now.phase = msg::PHASE_FROZEN;
             output_->post_status(now);
+            if (paused_steps_ > steps_until_silent) {
+                haptic_publisher_->post_visible_proxy(simulation_->snapshot());
+            }
         }
     }
 
     void step(const StepClock& clock) {
+        paused_steps_ = 0;
         simulation_->scene().step(inputs_, proxy_moved_);
         const scene::Snapshot& s = simulation_->snapshot();
         if (output_) {
@@ -512,7 +521,7 @@ class Session {
     ForceLimitMonitor force_limit_monitor_;
     ServiceNotify service_;
     DeviceState laryngoscope_{"laryngoscope"}, tube_{"tube"};
-    std::uint64_t paused_steps_ = 0;       // steps
+    std::uint64_t paused_steps_ = 0;       // in this pause
     std::uint64_t last_logged_state_ = 0;  // step
     double operator_done_at_ = -1.0;       // [s], simulation time
     double pass_began_ = 0.0;              // [s], simulation time, start of the operator's script
