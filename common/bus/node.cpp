@@ -210,6 +210,7 @@ std::vector<eprosima::fastrtps::rtps::Locator_t> Participant::own_locators() con
 
 void Participant::release_ownership(std::string_view topic) {
     admission_->release_ownership(topic);
+    log_admission_changes();
 }
 
 void Participant::log_admission_changes() {

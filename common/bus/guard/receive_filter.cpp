@@ -58,7 +58,7 @@ Watchdog& watch() {
 
 /// What the filters of one participant query.
 struct Questions {
-    std::shared_ptr<const Admission> admission;
+    std::shared_ptr<Admission> admission;
     std::shared_ptr<SequenceNumberGuard> reached = std::make_shared<SequenceNumberGuard>();
     std::shared_ptr<FragmentGuard> fragments = std::make_shared<FragmentGuard>();
     Watchdog* watch = &eti::bus::watch();
@@ -74,6 +74,15 @@ std::vector<std::uint8_t> without_parameters(Bytes datagram, const std::vector<B
         std::fill_n(at, 2, std::uint8_t{0});  // PID_PAD
     }
     return out;
+}
+
+void log_admission_changes(Admission& admission) {
+    static LogThrottle limit;
+    for (const std::string& line : admission.take_log_lines()) {
+        if (const auto suppressed = limit.allow(line)) {
+            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
+        }
+    }
 }
 
 class ReceiveFilter final : public transport::ChainingTransport {
@@ -124,6 +133,9 @@ class ReceiveFilter final : public transport::ChainingTransport {
             }
         } else if (!by_admission) {
             log_dropped(size, fault);
+        }
+        if (ask_.admission->has_log_lines()) {
+            log_admission_changes(*ask_.admission);
         }
     }
 
@@ -187,8 +199,8 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 }  // namespace
 
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
-                            std::uint32_t max_datagram_bytes,
-                            const std::shared_ptr<const Admission>& admission, const std::string& profile) {
+                            std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
+                            const std::string& profile) {
     const Questions ask{admission};
     for (auto& one : transports) {
         one = filtered(one, max_datagram_bytes, ask, profile);

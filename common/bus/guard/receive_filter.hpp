@@ -21,7 +21,7 @@ namespace eti::bus {
 /// `exit_watchdog`.
 void install_receive_filter(
     std::vector<std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>>& transports,
-    std::uint32_t max_datagram_bytes, const std::shared_ptr<const Admission>& admission,
+    std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
     const std::string& profile);
 
 /// Longer than any stall of a working session; forces are zero after 0.3 s.
