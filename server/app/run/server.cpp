@@ -11,7 +11,6 @@
 #include <functional>
 #include <iostream>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -19,6 +18,7 @@
 #include "common/model/pace.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/processors.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
@@ -546,7 +546,7 @@ std::filesystem::path numbered_record(const std::filesystem::path& record, std::
 
 int run_server(const Options& options) {
     const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
-                                                    : std::max(1u, std::thread::hardware_concurrency());
+                                                    : usable_processors();
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     if (!options.resimulate.empty()) {
         return resimulate(options);
