@@ -37,7 +37,7 @@
 #include "server/app/run/force_limit_monitor.hpp"
 #include "server/app/run/local_operator.hpp"
 #include "server/app/run/simulation.hpp"
-#include "server/parallel/worker_start.hpp"
+#include "server/app/run/step_priority.hpp"
 
 namespace eti::app {
 
@@ -51,28 +51,6 @@ constexpr double min_idle_share = 0.15;  // of a step
 
 // Haptic devices have faded their force out by then (0.3 s); a proxy that is only seen would end it at once.
 constexpr std::uint64_t steps_until_silent = steps_per_second / 2;
-
-/// Raises the simulation's priority above everything outside the haptic loop during its lifetime. Not for
-/// runs faster than real time: they would starve other processes.
-class RealTimePriorityScope {
-  public:
-    explicit RealTimePriorityScope(bool wanted) {
-        if (wanted) {
-            (void)set_real_time_priority(priority::step);
-            workers_.emplace([] { (void)set_real_time_priority(priority::step); });
-        }
-    }
-    ~RealTimePriorityScope() {
-        if (workers_) {
-            reset_priority();
-        }
-    }
-    RealTimePriorityScope(const RealTimePriorityScope&) = delete;
-    RealTimePriorityScope& operator=(const RealTimePriorityScope&) = delete;
-
-  private:
-    std::optional<parallel::WorkerStart> workers_;
-};
 
 /// A tool's device, as last reported.
 struct DeviceState {
@@ -157,18 +135,20 @@ class Session {
         const bool real_time = live_ && priority_refusal_.empty();
         StepClock clock(step_duration, !options_.fast, real_time ? min_idle_share : 0.0);
         {
-            const RealTimePriorityScope priority_scope(live_);
+            StepPriority priority(live_);
             while (!ended()) {
                 service_.alive();
                 if (frozen()) {
                     pause(clock);
                     continue;
                 }
+                const std::uint32_t late_before = clock.late_steps();
                 clock.wait();
                 latch(clock);
                 set_tools();
                 step(clock);
                 clock.done();
+                priority.update(clock.late_steps() > late_before);
                 report_progress(clock);
             }
         }
