@@ -525,8 +525,8 @@ std::filesystem::path numbered_record(const std::filesystem::path& record, std::
 }  // namespace
 
 int run_server(const Options& options) {
-    const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
-                                                    : usable_processors();
+    const std::size_t threads =
+        options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors();
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     if (!options.resimulate.empty()) {
         return resimulate(options);
