@@ -118,8 +118,9 @@ class ReturningWriterTest : public testing::Test {
     /// Both send every 4 ms; time after which the first is accepted.
     std::chrono::milliseconds until_first_is_accepted(std::chrono::milliseconds longest) {
         for (std::chrono::milliseconds sent{0}; sent <= longest; sent += 4ms, now_ += 4ms) {
-            EXPECT_NE(server_.rejects(writer_of(a, 1), now_), server_.rejects(writer_of(b, 1), now_));
-            if (!server_.rejects(writer_of(a, 1), now_)) {
+            const bool first_rejected = server_.rejects(writer_of(a, 1), now_);
+            EXPECT_NE(first_rejected, server_.rejects(writer_of(b, 1), now_)) << "one of the two";
+            if (!first_rejected) {
                 return sent;
             }
         }
