@@ -198,6 +198,13 @@ std::vector<Peer> Participant::peers() const {
     return all;
 }
 
+Rediscoveries Participant::rediscoveries() const {
+    const std::lock_guard lock(peers_mutex_);
+    const Rediscoveries& participants = gone_participants_.counts();
+    return {participants.after_departure + gone_writers_.counts().after_departure,
+            participants.after_silence};
+}
+
 void Participant::on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive) {
     admission_->on_liveliness_changed(writer_id(writer), alive);
     log_admission_changes();
@@ -229,6 +236,9 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
         {
             const std::lock_guard lock(peers_mutex_);
             peers_.erase(id);
+            gone_participants_.on_gone(id, info.status == Info::REMOVED_PARTICIPANT);
+            // The library has just reported its writers as removed; they are counted as one with it.
+            gone_writers_.forget([&](const WriterId& writer) { return writer.participant == id; });
         }
         admission_->on_removed(id);
         log_admission_changes();
@@ -239,6 +249,10 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
                                                 std::string(info.info.m_participantName.c_str()), id);
     const bool as_server =
         peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
+    if (info.status == Info::DISCOVERED_PARTICIPANT) {
+        const std::lock_guard lock(peers_mutex_);
+        gone_participants_.on_discovered(id);
+    }
     if (peer) {
         const std::lock_guard lock(peers_mutex_);
         // A newly found server takes the place of a program that is none.
@@ -276,6 +290,14 @@ void Participant::on_publisher_discovery(dds::DomainParticipant* self,
         return;
     }
     const WriterId writer = writer_id(info.info.guid());
+    {
+        const std::lock_guard lock(peers_mutex_);
+        if (info.status == Info::REMOVED_WRITER) {
+            gone_writers_.on_gone(writer, true);
+        } else if (info.status == Info::DISCOVERED_WRITER) {
+            gone_writers_.on_discovered(writer);
+        }
+    }
     if (info.status == Info::REMOVED_WRITER) {
         admission_->on_removed(writer);
     } else if (in_session(info.info.m_qos.m_partition)) {
