@@ -154,6 +154,11 @@ void check_socket_buffer(int option, const char* kernel_setting, std::vector<std
 
 }  // namespace
 
+bool this_machine_only(const Options& options) {
+    return options.profile.empty() && !options.network && options.peers.empty() &&
+           options.discovery_servers.empty();
+}
+
 dds::DomainParticipantQos participant_qos(const Options& options, std::vector<std::string>& warnings) {
     const bool by_peers = !options.peers.empty(), by_server = !options.discovery_servers.empty();
     if (!options.profile.empty() && (by_peers || by_server || options.network)) {
@@ -182,7 +187,7 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
         return qos;
     }
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(options.network || by_peers || by_server, qos);
+    use_own_transports(!this_machine_only(options), qos);
     if (by_peers) {
         add_peers(options.peers, qos);
     } else if (by_server) {
