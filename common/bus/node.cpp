@@ -17,6 +17,7 @@
 namespace eti::bus {
 
 using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
@@ -155,6 +156,23 @@ Participant::Participant(const Options& wanted)
                         "the lines above",
                         options.session, options.domain));
     }
+    if (!this_machine_only(options)) {
+        watch_interfaces();
+    }
+}
+
+/// Programs may start before the network does, and cables are plugged in later. Asked to apply its QoS again,
+/// the library scans the interfaces anew, listens on the new ones and announces itself there.
+void Participant::watch_interfaces() {
+    interfaces_.emplace([this](const std::string& addresses) {
+        dds::DomainParticipantQos qos;
+        if (participant->get_qos(qos) == ReturnCode_t::RETCODE_OK &&
+            participant->set_qos(qos) == ReturnCode_t::RETCODE_OK) {
+            bus_log().info("new on the network: {}; this program now uses it", addresses);
+        } else {
+            bus_log().warn("new on the network: {}; restart this program to use it", addresses);
+        }
+    });
 }
 
 Participant::~Participant() {
@@ -162,6 +180,7 @@ Participant::~Participant() {
 }
 
 void Participant::close() {
+    interfaces_.reset();
     participant->set_listener(nullptr);
     participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);

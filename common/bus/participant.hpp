@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
 #include "common/bus/guard/admission.hpp"
+#include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/bus/peers.hpp"
 #include "common/bus/rediscovery_counter.hpp"
@@ -64,6 +66,7 @@ class Participant final : public dds::DomainParticipantListener {
                                 eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
     [[nodiscard]] bool in_session(const dds::PartitionQosPolicy& partitions) const;
     void log_admission_changes();
+    void watch_interfaces();
     void close();
 
     std::shared_ptr<Admission> admission_;
@@ -77,6 +80,7 @@ class Participant final : public dds::DomainParticipantListener {
     std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators_;
     std::vector<std::string> warnings_;
     std::uint64_t started_ns_ = 0;
+    std::optional<InterfaceWatcher> interfaces_;
 };
 
 struct Node::Impl {
