@@ -98,7 +98,9 @@ void diagnose_link(const SessionReport& report, Findings& findings) {
         arrived += topic.arrived_mbit_per_s;
         sent += topic.sent_mbit_per_s();
     }
-    if (arrived <= 0.0) {
+    // What is missed while a program is believed gone is not the link's.
+    const bool interrupted = report.rediscoveries.after_departure + report.rediscoveries.after_silence > 0;
+    if (arrived <= 0.0 || interrupted) {
         return;
     }
     Finding finding{

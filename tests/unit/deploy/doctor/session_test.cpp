@@ -150,6 +150,9 @@ TEST(JudgeSession, ThinLinkIsNamedWithTheRateNeeded) {
     const Findings findings = diagnose_session(report, {});
     EXPECT_THAT(findings, mend("a client needs 10 Mbit/s"));
     EXPECT_THAT(findings, Contains(Field(&Finding::text, HasSubstr("1.0 Mbit/s arrive of 5.0"))));
+    report.rediscoveries.after_departure = 3;
+    EXPECT_THAT(diagnose_session(report, {}), Not(mend("a client needs")));
+    report.rediscoveries = {};
     report.topics = {{"eti/deformation", 990, 10, 1.0, 4.5}};
     EXPECT_THAT(diagnose_session(report, {}), Each(Field(&Finding::state, State::ok)));
 }
