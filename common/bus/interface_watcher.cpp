@@ -89,14 +89,14 @@ void InterfaceWatcher::run() {
             return;
         }
         drain(kernel_.get());
-        std::vector<std::string> now = network_addresses();
         std::string added;
-        for (const std::string& address : now) {
-            if (!std::ranges::binary_search(known_, address)) {
+        for (const std::string& address : network_addresses()) {
+            // One that returns, as after a cut cable, is used as before.
+            if (std::ranges::find(known_, address) == known_.end()) {
                 added += (added.empty() ? "" : ", ") + address;
+                known_.push_back(address);
             }
         }
-        known_ = std::move(now);
         if (!added.empty()) {
             added_(added);
         }

@@ -15,7 +15,7 @@ namespace eti::bus {
 /// IPv4 addresses of the interfaces that are up, loopback excluded, as "eth0 192.0.2.1"; sorted.
 [[nodiscard]] std::vector<std::string> network_addresses();
 
-/// Calls `added` on its own thread when an address of network_addresses() is there that was not before: a
+/// Calls `added` on its own thread when an address of network_addresses() is there for the first time: a
 /// cable was plugged in, or an interface got its address after the program had started. Uses the kernel's
 /// messages about interfaces (rtnetlink(7)); where there are none, it never calls.
 class InterfaceWatcher {
@@ -33,7 +33,7 @@ class InterfaceWatcher {
 
     std::function<void(const std::string&)> added_;
     Descriptor kernel_, end_;
-    std::vector<std::string> known_;
+    std::vector<std::string> known_;  // all that have been there
     std::thread thread_;
 };
 

@@ -17,7 +17,6 @@
 namespace eti::bus {
 
 using eprosima::fastrtps::Duration_t;
-using eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
@@ -161,17 +160,13 @@ Participant::Participant(const Options& wanted)
     }
 }
 
-/// Programs may start before the network does, and cables are plugged in later. Asked to apply its QoS again,
-/// the library scans the interfaces anew, listens on the new ones and announces itself there.
+/// Programs may start before the network does, and cables are plugged in later. The library announces the
+/// locators that it found at the start, and an endpoint keeps its own (docs/decisions/bus-transport.md).
 void Participant::watch_interfaces() {
-    interfaces_.emplace([this](const std::string& addresses) {
-        dds::DomainParticipantQos qos;
-        if (participant->get_qos(qos) == ReturnCode_t::RETCODE_OK &&
-            participant->set_qos(qos) == ReturnCode_t::RETCODE_OK) {
-            bus_log().info("new on the network: {}; this program now uses it", addresses);
-        } else {
-            bus_log().warn("new on the network: {}; restart this program to use it", addresses);
-        }
+    interfaces_.emplace([](const std::string& addresses) {
+        bus_log().warn(
+            "new on the network: {}; programs there do not reach this one. Remedy: restart this program",
+            addresses);
     });
 }
 

@@ -211,11 +211,10 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
         add_discovery_servers(options.discovery_servers, qos);
     }
     if (!this_machine_only(options) && network_addresses().empty()) {
-        warnings.push_back(
-            fmt::format("{}: no interface to other machines is up with an IPv4 address; one is used as soon "
-                        "as it is there. "
-                        "Remedy: plug in a cable or bring one up (ip link); IPv6 addresses are not used",
-                        reach(options)));
+        warnings.push_back(fmt::format(
+            "{}: no interface to other machines is up with an IPv4 address. Remedy: plug in a cable "
+            "or bring one up (ip link), and restart this program; IPv6 addresses are not used",
+            reach(options)));
     }
     check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
     check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings);
