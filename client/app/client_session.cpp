@@ -26,7 +26,8 @@ constexpr double silent_for_s = 15.0;
 
 ClientSession::ClientSession(const Options& options)
     : node(options.bus),
-      input(node, options.full_rate(), options.is_trainee()),
+      input(node, options.full_rate(), options.is_trainee(),
+            options.interactive() ? SessionInput::Timing::newest : SessionInput::Timing::moments),
       controls(*options.selection,
                options.sends_commands() ? &commands.emplace(node, options.bus.name) : nullptr,
                options.vantage),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/app/arrival_statistics.hpp"
+#include "client/view/moment_queue.hpp"
 #include "client/view/scene_view.hpp"
 #include "client/view/sight/trainee_eye.hpp"
 #include "common/bus/bus.hpp"
@@ -21,8 +22,12 @@ inline constexpr double lost_after_s = 1.0;
 /// The client's side of the bus: applies received messages to a SceneView, publishes the trainee's eye.
 class SessionInput {
   public:
+    enum class Timing : std::uint8_t {
+        newest,   ///< the newest message of each topic, for a display
+        moments,  ///< all topics at the same simulation time, a little later; for pictures that are kept
+    };
     /// `full_rate`: receive deformation at 90 Hz, else at 30 Hz. `publish_eye`: act as the trainee.
-    SessionInput(bus::Node& node, bool full_rate, bool publish_eye);
+    SessionInput(bus::Node& node, bool full_rate, bool publish_eye, Timing timing = Timing::newest);
 
     /// Applies all messages received.
     void receive_into(view::SceneView& scene);
@@ -49,8 +54,11 @@ class SessionInput {
         gone,    ///< was on the bus and left
     };
     void update_presence();
+    void receive_states_into(view::SceneView& scene);
+    void queue_states_for(view::SceneView& scene);
 
     ArrivalStatistics arrival_;
+    std::optional<view::MomentQueue> moments_;  // with Timing::moments
     std::vector<std::string> scenarios_;
     bus::Subscriber<msg::SessionDescription> description_;
     bus::Subscriber<msg::SceneDescription> scene_;

@@ -254,6 +254,9 @@ int main(int argc, char** argv) {
 
     // Session files may come from third parties, and the HDF5 library can crash on a damaged one.
     const GuardedResult ended = run_guarded([&] {
+        if (summary_command.parsed() || (check_command.parsed() && !repair)) {
+            end_at_once_on_stop();
+        }
         try {
             if (summary_command.parsed()) {
                 return summary(file, json);

@@ -17,9 +17,6 @@
 namespace eti::view {
 namespace {
 
-// Time this far [ns] behind the newest is not a late datagram: the session restarted.
-constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
-
 bool same(const FramePose& a, const FramePose& b) {
     return a.centre == b.centre && a.rotation.coeffs() == b.rotation.coeffs();
 }

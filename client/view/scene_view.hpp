@@ -30,6 +30,9 @@ namespace eti::view {
 /// makes apply() return false. Single-threaded.
 class SceneView {
   public:
+    /// Time this far [ns] behind the newest is not a late datagram: the session restarted.
+    static constexpr std::uint64_t restart_gap_ns = 1'000'000'000;
+
     bool apply(const msg::SessionDescription& message);
     bool apply(const msg::SceneDescription& message);
     bool apply(const msg::DeformationState& message);

@@ -21,9 +21,10 @@ void add_options(CommandLine& app, Options& options) {
                  "Discover programs on other machines by multicast; without it and --peer, "
                  "--discovery-server or --profile, only programs on this machine")
         .group(group);
-    app.add_option("--peer", options.peers,
-                   "Another machine of the session by name or address, if multicast does not reach it; may "
-                   "be repeated")
+    app.add_option(
+           "--peer", options.peers,
+           "Another machine of the session by name or IPv4 address, if multicast does not reach it; may "
+           "be repeated")
         .allow_extra_args(false)
         .group(group);
     app.add_option("--discovery-server", options.discovery_servers,

@@ -119,7 +119,7 @@ Participant::Participant(const Options& wanted)
     apply_identity(options, qos, warnings_);
     install_receive_filter(qos.transport().user_transports,
                            options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
-                           admission_, options.profile);
+                           admission_, options.profile, this_machine_only(options));
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
@@ -155,6 +155,19 @@ Participant::Participant(const Options& wanted)
                         "the lines above",
                         options.session, options.domain));
     }
+    if (!this_machine_only(options)) {
+        watch_interfaces();
+    }
+}
+
+/// Programs may start before the network does, and cables are plugged in later. The library announces the
+/// locators that it found at the start, and an endpoint keeps its own (docs/decisions/bus-transport.md).
+void Participant::watch_interfaces() {
+    interfaces_.emplace([](const std::string& addresses) {
+        bus_log().warn(
+            "new on the network: {}; programs there do not reach this one. Remedy: restart this program",
+            addresses);
+    });
 }
 
 Participant::~Participant() {
@@ -162,6 +175,7 @@ Participant::~Participant() {
 }
 
 void Participant::close() {
+    interfaces_.reset();
     participant->set_listener(nullptr);
     participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
@@ -198,6 +212,13 @@ std::vector<Peer> Participant::peers() const {
     return all;
 }
 
+Rediscoveries Participant::rediscoveries() const {
+    const std::lock_guard lock(peers_mutex_);
+    const Rediscoveries& participants = gone_participants_.counts();
+    return {participants.after_departure + gone_writers_.counts().after_departure,
+            participants.after_silence};
+}
+
 void Participant::on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive) {
     admission_->on_liveliness_changed(writer_id(writer), alive);
     log_admission_changes();
@@ -210,6 +231,7 @@ std::vector<eprosima::fastrtps::rtps::Locator_t> Participant::own_locators() con
 
 void Participant::release_ownership(std::string_view topic) {
     admission_->release_ownership(topic);
+    log_admission_changes();
 }
 
 void Participant::log_admission_changes() {
@@ -228,6 +250,9 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
         {
             const std::lock_guard lock(peers_mutex_);
             peers_.erase(id);
+            gone_participants_.on_gone(id, info.status == Info::REMOVED_PARTICIPANT);
+            // The library has just reported its writers as removed; they are counted as one with it.
+            gone_writers_.forget([&](const WriterId& writer) { return writer.participant == id; });
         }
         admission_->on_removed(id);
         log_admission_changes();
@@ -238,6 +263,10 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
                                                 std::string(info.info.m_participantName.c_str()), id);
     const bool as_server =
         peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
+    if (info.status == Info::DISCOVERED_PARTICIPANT) {
+        const std::lock_guard lock(peers_mutex_);
+        gone_participants_.on_discovered(id);
+    }
     if (peer) {
         const std::lock_guard lock(peers_mutex_);
         // A newly found server takes the place of a program that is none.
@@ -275,6 +304,14 @@ void Participant::on_publisher_discovery(dds::DomainParticipant* self,
         return;
     }
     const WriterId writer = writer_id(info.info.guid());
+    {
+        const std::lock_guard lock(peers_mutex_);
+        if (info.status == Info::REMOVED_WRITER) {
+            gone_writers_.on_gone(writer, true);
+        } else if (info.status == Info::DISCOVERED_WRITER) {
+            gone_writers_.on_discovered(writer);
+        }
+    }
     if (info.status == Info::REMOVED_WRITER) {
         admission_->on_removed(writer);
     } else if (in_session(info.info.m_qos.m_partition)) {

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,8 +20,10 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
 #include "common/bus/guard/admission.hpp"
+#include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/bus/peers.hpp"
+#include "common/bus/rediscovery_counter.hpp"
 #include "common/process/log_throttle.hpp"
 
 namespace eti::bus {
@@ -40,6 +43,7 @@ class Participant final : public dds::DomainParticipantListener {
     [[nodiscard]] dds::Topic* topic(std::string_view name, dds::TypeSupport type);
 
     [[nodiscard]] std::vector<Peer> peers() const;
+    [[nodiscard]] Rediscoveries rediscoveries() const;
     /// Liveliness of a writer that matches a reader here.
     void on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive);
     void release_ownership(std::string_view topic);
@@ -62,6 +66,7 @@ class Participant final : public dds::DomainParticipantListener {
                                 eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
     [[nodiscard]] bool in_session(const dds::PartitionQosPolicy& partitions) const;
     void log_admission_changes();
+    void watch_interfaces();
     void close();
 
     std::shared_ptr<Admission> admission_;
@@ -70,9 +75,12 @@ class Participant final : public dds::DomainParticipantListener {
     std::map<std::string, dds::Topic*, std::less<>> topics_;
     mutable std::mutex peers_mutex_;
     std::map<ParticipantId, Peer> peers_;
+    RediscoveryCounter<ParticipantId> gone_participants_;
+    RediscoveryCounter<WriterId> gone_writers_;
     std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators_;
     std::vector<std::string> warnings_;
     std::uint64_t started_ns_ = 0;
+    std::optional<InterfaceWatcher> interfaces_;
 };
 
 struct Node::Impl {

@@ -15,4 +15,8 @@ std::vector<Peer> discovered_peers(const Node& node) {
     return met;
 }
 
+Rediscoveries rediscoveries(const Node& node) {
+    return node.impl().participant->rediscoveries();
+}
+
 }  // namespace eti::bus

@@ -23,6 +23,16 @@ struct Peer {
     std::pair<std::uint64_t, ParticipantId> started;
 };
 
+/// How often participants and writers were discovered again under an identifier that had gone. No program
+/// does so by itself: one that starts again has a new identifier.
+struct Rediscoveries {
+    std::uint64_t after_departure = 0;  ///< a departure was announced (a dispose), which was false
+    std::uint64_t after_silence = 0;    ///< it had not been heard for the lease duration
+};
+
+/// As of now, in all sessions of the domain.
+[[nodiscard]] Rediscoveries rediscoveries(const Node& node);
+
 /// Peers that the node has discovered, by name and process.
 [[nodiscard]] std::vector<Peer> discovered_peers(const Node& node);
 

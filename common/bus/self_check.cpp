@@ -83,8 +83,7 @@ void look_for_stale_memory(SelfCheck& check) {
 }  // namespace
 
 DiscoveryTimeout explain_missing_server(const Options& options) {
-    const bool alone = options.peers.empty() && options.discovery_servers.empty() && !options.network &&
-                       options.profile.empty();
+    const bool alone = this_machine_only(options);
     return {fmt::format("no server found in session '{}' on domain {} ({})", options.session, options.domain,
                         reach(options)),
             fmt::format("start eti-server with the same --session and --domain; {}--network, --peer ADDRESS, "

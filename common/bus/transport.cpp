@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "common/bus/discovery_server.hpp"
+#include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/process/files/descriptor.hpp"
 
@@ -35,7 +36,22 @@ constexpr std::uint32_t socket_buffer = 4u << 20;
 constexpr std::uint32_t participants_per_machine = 32;
 constexpr const char* loopback = "127.0.0.1";
 
+/// Throws for an IPv6 address: locators of this project are IPv4, whose multicast groups and firewalls a lab
+/// has.
+void refuse_ipv6(const std::string& host, const char* option) {
+    in6_addr ignored{};
+    const std::string bare = host.starts_with('[') ? host.substr(1, host.find(']') - 1) : host;
+    const std::string address = bare.substr(0, bare.find('%'));
+    if (::inet_pton(AF_INET6, address.c_str(), &ignored) == 1) {
+        throw BusError(fmt::format(
+            "{} {}: is an IPv6 address, and sessions use IPv4; give the machine's IPv4 address (ip -4 "
+            "address), or connect both by a tunnel that has IPv4 addresses (docs/network.md)",
+            option, host));
+    }
+}
+
 rtps::Locator_t locator_of(const std::string& host, const char* option) {
+    refuse_ipv6(host, option);
     addrinfo wanted{};
     wanted.ai_family = AF_INET;
     wanted.ai_socktype = SOCK_DGRAM;
@@ -72,6 +88,7 @@ void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainP
     config.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
     for (std::size_t id = 0; id < servers.size(); ++id) {
         const std::string& server = servers[id];
+        refuse_ipv6(server, "--discovery-server");
         const std::size_t colon = server.rfind(':');
         std::uint16_t port = discovery_port;
         if (colon != std::string::npos) {
@@ -154,6 +171,11 @@ void check_socket_buffer(int option, const char* kernel_setting, std::vector<std
 
 }  // namespace
 
+bool this_machine_only(const Options& options) {
+    return options.profile.empty() && !options.network && options.peers.empty() &&
+           options.discovery_servers.empty();
+}
+
 dds::DomainParticipantQos participant_qos(const Options& options, std::vector<std::string>& warnings) {
     const bool by_peers = !options.peers.empty(), by_server = !options.discovery_servers.empty();
     if (!options.profile.empty() && (by_peers || by_server || options.network)) {
@@ -182,11 +204,17 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
         return qos;
     }
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(options.network || by_peers || by_server, qos);
+    use_own_transports(!this_machine_only(options), qos);
     if (by_peers) {
         add_peers(options.peers, qos);
     } else if (by_server) {
         add_discovery_servers(options.discovery_servers, qos);
+    }
+    if (!this_machine_only(options) && network_addresses().empty()) {
+        warnings.push_back(fmt::format(
+            "{}: no interface to other machines is up with an IPv4 address. Remedy: plug in a cable "
+            "or bring one up (ip link), and restart this program; IPv6 addresses are not used",
+            reach(options)));
     }
     check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
     check_socket_buffer(SO_SNDBUF, "net.core.wmem_max", warnings);

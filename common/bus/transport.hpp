@@ -26,6 +26,9 @@ inline constexpr std::uint32_t max_secured_datagram_bytes = 8192;  // [bytes]
 [[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos participant_qos(
     const Options& options, std::vector<std::string>& warnings);
 
+/// Whether these options find programs on this machine only; a profile defines it otherwise.
+[[nodiscard]] bool this_machine_only(const Options& options);
+
 /// QoS of a discovery server; arguments as for DiscoveryServer.
 [[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos discovery_server_qos(
     int number, const std::string& address, std::uint16_t port, std::vector<std::string>& warnings);

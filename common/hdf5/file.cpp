@@ -107,9 +107,9 @@ File File::open(const std::filesystem::path& path, Access access, const std::fil
         throw Error(fmt::format("{}: not an HDF5 file", path.string()));
     }
     const Handle properties = access_properties();
-    if (access == Access::read_orphaned) {
-        // By default the library retries every damaged block for up to a second, although no writer will
-        // complete it.
+    if (access == Access::read_orphaned || access == Access::append_swmr) {
+        // By default the library retries every damaged block for up to a second, with many blocks for hours,
+        // although no other writer will complete it.
         H5Pset_metadata_read_attempts(properties.get(), 1);
     }
     Handle id(H5Fopen(path.c_str(), flags_of(access), properties.get()), H5Fclose);

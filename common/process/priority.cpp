@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -30,6 +31,18 @@ std::string take_priority(int policy, int priority) {
 
 std::string set_real_time_priority(int priority) {
     return take_priority(SCHED_FIFO | SCHED_RESET_ON_FORK, priority);
+}
+
+ThreadId this_thread_id() {
+    return ::gettid();
+}
+
+bool set_thread_priority(ThreadId thread, int priority) {
+    sched_param parameters{};
+    parameters.sched_priority = priority;
+    // Only with a privilege could the flag be cleared again.
+    const int policy = (priority > 0 ? SCHED_FIFO : SCHED_OTHER) | SCHED_RESET_ON_FORK;
+    return ::sched_setscheduler(thread, policy, &parameters) == 0;
 }
 
 void reset_priority() {

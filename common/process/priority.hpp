@@ -19,6 +19,17 @@ inline constexpr int background = 50;  ///< work that a step may have to wait fo
 /// text, or why the kernel refused and the remedy.
 [[nodiscard]] std::string set_real_time_priority(int priority);
 
+/// A thread as the kernel numbers it, gettid(2).
+using ThreadId = int;
+[[nodiscard]] ThreadId this_thread_id();
+
+/// Normal scheduling, as a value for set_thread_priority().
+inline constexpr int ordinary_priority = 0;
+
+/// Sets another thread's real-time priority, or normal scheduling. False if the kernel refuses, or if there
+/// is no such thread any more.
+bool set_thread_priority(ThreadId thread, int priority);
+
 /// Restores normal scheduling.
 void reset_priority();
 

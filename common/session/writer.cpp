@@ -66,6 +66,8 @@ struct SessionWriter::Impl {
     [[nodiscard]] std::optional<std::string> write_chunks(bool everything, bool& more);
     void finish();
     void fail(const std::string& reason);
+    void end_recording(const std::string& text);
+    [[nodiscard]] bool was_overwritten();
     void warn_of_losses();
     void warn_of_deletion();
 
@@ -189,6 +191,9 @@ void SessionWriter::Impl::run() {
         }
         warn_of_losses();
         warn_of_deletion();
+        if (was_overwritten()) {
+            continue;
+        }
         if (!tail.write()) {
             fail(tail.error());
         } else if (const auto why = write_chunks(last, more)) {
@@ -307,7 +312,28 @@ void SessionWriter::Impl::warn_of_deletion() {
     }
 }
 
+/// A program that opens the file in order to create it anew (h5py's mode "w") is not refused: readers of a
+/// running recording need it unlocked.
+bool SessionWriter::Impl::was_overwritten() {
+    if (!live.overwritten()) {
+        return false;
+    }
+    end_recording(fmt::format(
+        "{}: recording stopped: another program has overwritten the file, and what was recorded is lost. "
+        "Remedy: record again, to another file, and open a running recording for reading only (h5py: "
+        "File(name, \"r\", swmr=True))",
+        path.string()));
+    return true;
+}
+
 void SessionWriter::Impl::fail(const std::string& reason) {
+    end_recording(
+        fmt::format("{}: recording stopped: {}. The recording up to then is kept. Remedy: free some "
+                    "space on the disk or record elsewhere, then run: eti-review check --repair {}",
+                    path.string(), reason, path.string()));
+}
+
+void SessionWriter::Impl::end_recording(const std::string& text) {
     // Do not touch the library's handles: another write could only damage the file.
     for (Table* table : tables) {
         table->abandon();
@@ -318,15 +344,12 @@ void SessionWriter::Impl::fail(const std::string& reason) {
     live.clear();
     has_failed = true;
     if (settings.on_error) {
-        settings.on_error(
-            fmt::format("{}: recording stopped: {}. The recording up to then is kept. Remedy: free some "
-                        "space on the disk or record elsewhere, then run: eti-review check --repair {}",
-                        path.string(), reason, path.string()));
+        settings.on_error(text);
     }
 }
 
 void SessionWriter::Impl::finish() {
-    if (has_failed) {
+    if (has_failed || was_overwritten()) {
         return;
     }
     if (!meta.change_integer("lost_records", lost.load()) || !meta.change_integer("finished", 1)) {

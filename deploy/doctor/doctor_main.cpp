@@ -62,9 +62,16 @@ nlohmann::ordered_json json_of(const SessionReport& report) {
         topics.push_back({{"topic", topic.topic},
                           {"arrived", topic.arrived},
                           {"lost", topic.lost},
-                          {"lost_percent", topic.lost_percent}});
+                          {"lost_percent", topic.lost_percent},
+                          {"arrived_mbit_per_s", topic.arrived_mbit_per_s},
+                          {"sent_mbit_per_s", topic.sent_mbit_per_s()}});
     }
-    return {{"server", report.server}, {"peers", peers}, {"topics", topics}};
+    return {{"server", report.server},
+            {"peers", peers},
+            {"topics", topics},
+            {"rediscovered",
+             {{"after_departure", report.rediscoveries.after_departure},
+              {"after_silence", report.rediscoveries.after_silence}}}};
 }
 
 void print(const Findings& findings) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "common/bus/echo.hpp"
@@ -27,10 +28,32 @@ constexpr double slow_ms = 20.0;
 // The age of a frame is computed from two clocks; a larger offset than a frame's duration falsifies it.
 constexpr double clock_ms = 15.0;
 constexpr double lossy_percent = 1.0;
+// Share of what is sent below which a link is too thin; a lossy one that suffices carries more.
+constexpr double thin_share = 0.9;
+
+// Of a datagram beside its payload: Ethernet, IP and UDP 46 bytes, RTPS 20, its timestamp 12, DATA with its
+// header 28, the representation 4.
+constexpr std::size_t overhead_bytes = 110;
+// A single program that leaves and is wrongly believed gone may have an innocent cause.
+constexpr std::uint64_t many_departures = 2;
+
+/// Size in CDR, to a few bytes.
+std::size_t bytes_of(const msg::DeformationState& message) {
+    constexpr std::size_t header = 20, lengths = 12, frame = 24, node = 12;
+    return header + lengths + frame * message.frames().size() + node * message.tube_nodes().size();
+}
+
+std::size_t bytes_of(const msg::LiveMetrics& message) {
+    constexpr std::size_t others = 120, point = 12;
+    return others + 4 * (message.measures().size() + message.live().size()) +
+           point * (message.glottis_contour().size() + message.landmarks().size()) +
+           8 * message.parameters().size() + message.message().size();
+}
 
 template <class Message>
-void take_all(bus::Subscriber<Message>& topic, ChunkLossCounter& loss) {
+void take_all(bus::Subscriber<Message>& topic, ChunkLossCounter& loss, std::uint64_t& bytes) {
     for (Message message; topic.take(message);) {
+        bytes += bytes_of(message) + overhead_bytes;
         if constexpr (requires { message.chunks(); }) {
             loss.note(message.header().number(), message.chunks());
         } else {
@@ -39,8 +62,60 @@ void take_all(bus::Subscriber<Message>& topic, ChunkLossCounter& loss) {
     }
 }
 
-TopicReport report_of(std::string_view topic, const ChunkLossCounter& loss) {
-    return {std::string(topic), loss.arrived(), loss.lost(), loss.percent()};
+TopicReport report_of(std::string_view topic, const ChunkLossCounter& loss, std::uint64_t bytes,
+                      double seconds) {
+    return {std::string(topic), loss.arrived(), loss.lost(), loss.percent(),
+            seconds > 0.0 ? 8e-6 * static_cast<double>(bytes) / seconds : 0.0};
+}
+
+/// Whether programs vanish that are still there, which stops forces each time and counts as no loss.
+void diagnose_rediscoveries(const SessionReport& report, Findings& findings) {
+    const bus::Rediscoveries& found = report.rediscoveries;
+    if (found.after_departure >= many_departures) {
+        findings.push_back(
+            {"session", "departures", State::problem,
+             fmt::format(
+                 "{} times in {:.0f} s a program was said to have left that was still there; forces are "
+                 "off each time",
+                 found.after_departure, report.seconds),
+             "somebody forges departures: use --identity (docs/security.md), or a network that strangers "
+             "cannot enter"});
+    }
+    if (found.after_silence > 0) {
+        findings.push_back(
+            {"session", "connection", State::problem,
+             fmt::format("{} times in {:.0f} s a program was lost and found again", found.after_silence,
+                         report.seconds),
+             "the link is interrupted, or the machine is too busy to answer: check cable and switch, and "
+             "close other programs"});
+    }
+}
+
+/// Whether the link carries what the server sends.
+void diagnose_link(const SessionReport& report, Findings& findings) {
+    double arrived = 0.0, sent = 0.0;
+    for (const TopicReport& topic : report.topics) {
+        arrived += topic.arrived_mbit_per_s;
+        sent += topic.sent_mbit_per_s();
+    }
+    // What is missed while a program is believed gone is not the link's.
+    const bool interrupted = report.rediscoveries.after_departure + report.rediscoveries.after_silence > 0;
+    if (arrived <= 0.0 || interrupted) {
+        return;
+    }
+    Finding finding{
+        "loss", "link", State::ok,
+        fmt::format("{:.1f} Mbit/s arrive of {:.1f} that the server sends to this program", arrived, sent),
+        ""};
+    if (arrived < thin_share * sent) {
+        finding.state = State::problem;
+        finding.remedy = fmt::format(
+            "the link is too thin, or loses what it carries: a client needs {:.0f} Mbit/s with room to "
+            "spare; "
+            "use a cable, or let clients --observe, which takes a third",
+            std::ceil(2.0 * sent));
+    }
+    findings.push_back(finding);
 }
 
 Finding diagnose_peer(const PeerReport& peer) {
@@ -116,7 +191,10 @@ SessionReport observe(const bus::Options& options, std::chrono::duration<double>
     bus::Subscriber<msg::DeformationState> deformation(node, bus::topics::deformation);
     bus::Subscriber<msg::LiveMetrics> metrics(node, bus::topics::live_metrics);
     ChunkLossCounter deformation_loss(steps_per_second / 90), metrics_loss(steps_per_second / 30);
+    std::uint64_t deformation_bytes = 0, metrics_bytes = 0;
     SessionReport report;
+    const auto begin = Clock::now();
+    std::optional<Clock::time_point> first;
     std::map<std::string, bus::Peer> met;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(duration);
     for (auto question = Clock::now(); Clock::now() < end && !stop_requested();) {
@@ -130,8 +208,11 @@ SessionReport observe(const bus::Options& options, std::chrono::duration<double>
             report.contested = report.contested || node.contested();
         }
         asker.poll();
-        take_all(deformation, deformation_loss);
-        take_all(metrics, metrics_loss);
+        take_all(deformation, deformation_loss, deformation_bytes);
+        take_all(metrics, metrics_loss, metrics_bytes);
+        if (!first && deformation_bytes + metrics_bytes > 0) {
+            first = Clock::now();
+        }
         std::this_thread::sleep_for(between_looks);
     }
     for (const auto& [process, one] : met) {
@@ -149,9 +230,14 @@ SessionReport observe(const bus::Options& options, std::chrono::duration<double>
         }
         report.peers.push_back(peer);
     }
+    const auto now = Clock::now();
+    report.seconds = std::chrono::duration<double>(now - begin).count();
+    report.rediscoveries = bus::rediscoveries(node);
     if (report.server) {
-        report.topics = {report_of(bus::topics::deformation.name, deformation_loss),
-                         report_of(bus::topics::live_metrics.name, metrics_loss)};
+        const double receiving = std::chrono::duration<double>(now - first.value_or(now)).count();
+        report.topics = {
+            report_of(bus::topics::deformation.name, deformation_loss, deformation_bytes, receiving),
+            report_of(bus::topics::live_metrics.name, metrics_loss, metrics_bytes, receiving)};
     }
     return report;
 }
@@ -179,6 +265,7 @@ Findings diagnose_session(const SessionReport& report, const bus::Options& optio
     for (const PeerReport& peer : report.peers) {
         findings.push_back(diagnose_peer(peer));
     }
+    diagnose_rediscoveries(report, findings);
     for (const TopicReport& topic : report.topics) {
         Finding finding{"loss", topic.topic, State::ok,
                         fmt::format("{} of {} messages lost ({:.2f} %)", topic.lost,
@@ -196,6 +283,7 @@ Findings diagnose_session(const SessionReport& report, const bus::Options& optio
         }
         findings.push_back(finding);
     }
+    diagnose_link(report, findings);
     return findings;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/peers.hpp"
 #include "deploy/doctor/finding.hpp"
 
 namespace eti::doctor {
@@ -42,6 +43,14 @@ struct TopicReport {
     std::string topic;
     std::uint64_t arrived = 0, lost = 0;
     double lost_percent = 0.0;
+    double arrived_mbit_per_s = 0.0;  ///< of the link, headers included
+
+    /// What the server sends to this program on the topic.
+    [[nodiscard]] double sent_mbit_per_s() const {
+        return arrived == 0
+                   ? 0.0
+                   : arrived_mbit_per_s * static_cast<double>(arrived + lost) / static_cast<double>(arrived);
+    }
 };
 
 struct SessionReport {
@@ -50,6 +59,8 @@ struct SessionReport {
     std::vector<PeerReport> peers;
     std::vector<std::string> elsewhere;  ///< sessions of other names on the domain
     std::vector<TopicReport> topics;
+    bus::Rediscoveries rediscoveries;
+    double seconds = 0.0;  ///< of observation
 };
 
 /// Joins the session for `duration` and sends echo requests ten times a second. Throws bus::BusError on

@@ -27,8 +27,21 @@ std::optional<OperatorScript> script_of(const ProgramOptions& options) {
     return load_operator(find_data_file(options.operator_name, "operators"));
 }
 
-std::optional<Calibration> calibration_of(const ProgramOptions& options) {
-    return options.calibration.empty() ? std::nullopt : std::optional(load_calibration(options.calibration));
+/// Throws DeviceError where the device needs a calibration and has none, before the session is joined.
+std::optional<Calibration> calibration_of(const ProgramOptions& options, const Driver& driver) {
+    if (!options.calibration.empty()) {
+        if (options.uncalibrated) {
+            throw DeviceError("--uncalibrated and --calibration exclude each other; leave one of them out");
+        }
+        return load_calibration(options.calibration);
+    }
+    if (driver.needs_calibration && !options.uncalibrated) {
+        throw DeviceError(fmt::format(
+            "--device {}: is not calibrated, so nothing is known of where the patient is in its frame; run "
+            "eti-calibrate and name its file with --calibration, or try the device out with --uncalibrated",
+            driver.name));
+    }
+    return std::nullopt;
 }
 
 SceneLink::ForceSource feel_of(const ProgramOptions& options, Tool tool) {
@@ -53,6 +66,10 @@ void add_options(CommandLine& app, ProgramOptions& options) {
     add_device_options(app, options, DeviceRole::tool);
     app.add_option("--calibration", options.calibration,
                    "Calibration of the device: a file written by eti-calibrate");
+    app.add_flag(
+        "--uncalibrated", options.uncalibrated,
+        "Use a device that needs a calibration without one: its frame is taken for the patient's, so "
+        "that tools are not where the hands are");
     app.add_option("--operator", options.operator_name,
                    "Scripted hand by name or path; without it the device is held still");
     add_bus_options(app, options);
@@ -70,7 +87,7 @@ Program::Program(const ProgramOptions& options, Tool tool)
       tool_(tool),
       driver_(find_driver(options.device, DeviceRole::tool)),
       script_(script_of(options)),
-      calibration_(calibration_of(options)),
+      calibration_(calibration_of(options, driver_)),
       started_(std::chrono::steady_clock::now()),
       node_(options.bus),
       link_(node_, feel_of(options, tool)),
@@ -91,8 +108,7 @@ Program::Program(const ProgramOptions& options, Tool tool)
                      calibration_->points, 1e3 * calibration_->error, 1e3 * calibration_->left_out_error);
     } else if (driver_.needs_calibration) {
         spdlog::warn(
-            "device '{}' is not calibrated: its frame is assumed to be the patient's; run eti-calibrate and "
-            "name its file with --calibration",
+            "device '{}' is not calibrated (--uncalibrated): its frame is assumed to be the patient's",
             driver_.name);
     }
     for (const std::string& warning : bus::self_check(node_, false, look_for_server).warnings) {

@@ -26,6 +26,7 @@ struct ProgramOptions {
     std::string source;         ///< of the device: file, name or number; empty: the default
     std::string library;        ///< path of the vendor's library; empty: its usual names
     std::string calibration;    ///< file of eti-calibrate; empty: none
+    bool uncalibrated = false;  ///< accept a device that needs a calibration without one
     std::string operator_name;  ///< by name or path; empty: the tool does not move
     bus::Options bus;
     double duration = 0.0;  ///< [s] of real time; 0: until the session ends

@@ -60,8 +60,11 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                    {0.0, longest_time, "s"});
     app.add_number("--seed", options.seed,
                    "Seed of tremor and other random values, instead of the scenario's", {0});
-    app.add_number("--threads", options.threads,
-                   "Solver threads; 0: one per core; the result is independent of it", {0, 256});
+    app.add_number(
+        "--threads", options.threads,
+        "Solver threads; 0: as many as the processors that affinity and a container's quota leave to this "
+        "process; the result is independent of it",
+        {0, 256});
     const Option resimulate =
         app.add_option("--resimulate", options.resimulate,
                        "Simulate the recorded inputs of this session file again, as fast as possible, and "

@@ -14,6 +14,14 @@ namespace {
 // Bounds memory use on a hostile network.
 constexpr std::size_t max_participants = 256, max_writers = 4096, most_news = 16;
 
+/// Time for which a writer that was replaced this often must send to be followed again.
+std::chrono::milliseconds time_to_return(unsigned replaced) {
+    constexpr unsigned most_doublings = 16;
+    const auto doubled =
+        Admission::return_time * (1u << std::min(std::max(replaced, 1u) - 1, most_doublings));
+    return std::min<std::chrono::milliseconds>(doubled, Admission::longest_return_time);
+}
+
 }  // namespace
 
 void Admission::on_discovered(const ParticipantId& participant, const std::string& name, bool as_server) {
@@ -29,7 +37,7 @@ void Admission::on_discovered(const ParticipantId& participant, const std::strin
 /// Where there are too many participants, one that is no server gives way to a server. Reported once.
 bool Admission::make_room(bool for_server) {
     if (!std::exchange(crowded_, true)) {
-        log_lines_.push_back(
+        log(
             fmt::format("more than {} participants are in the session's domain: of the others, only servers "
                         "are listened to; "
                         "use another --domain, or end what announces itself there",
@@ -86,17 +94,40 @@ void Admission::on_liveliness_changed(const WriterId& writer, bool alive) {
 void Admission::release_ownership(std::string_view topic) {
     const std::lock_guard lock(mutex_);
     if (const auto followed = followed_.find(topic); followed != followed_.end()) {
-        writers_.at(followed->second).lost = true;
+        Writer& writer = writers_.at(followed->second);
+        writer.lost = true;
+        writer.last_sample = {};
         reevaluate();
     }
 }
 
-bool Admission::rejects(const WriterId& writer) const {
-    if (!any_refused_.load(std::memory_order_acquire)) {
+bool Admission::rejects(const WriterId& writer, Clock::time_point now) {
+    if (!any_refused_.load(std::memory_order_acquire) && !any_released_.load(std::memory_order_acquire)) {
         return false;
     }
     const std::lock_guard lock(mutex_);
+    note_sample(writer, now);
     return refused_.contains(writer) || blocked_.contains(writer.participant);
+}
+
+/// A writer whose ownership was released sends again: at once it is the one to stay with; where another was
+/// followed meanwhile, it gets the topic back after a while.
+void Admission::note_sample(const WriterId& id, Clock::time_point now) {
+    const auto known = writers_.find(id);
+    if (known == writers_.end() || known->second.source != WriterPolicy::exclusive || !known->second.lost) {
+        return;
+    }
+    Writer& writer = known->second;
+    if (now - writer.last_sample > return_time) {
+        writer.sends_since = now;
+    }
+    writer.last_sample = now;
+    const auto followed = followed_.find(writer.topic);
+    const bool is_followed = followed != followed_.end() && followed->second == id;
+    if (is_followed || now - writer.sends_since >= time_to_return(writer.replaced)) {
+        writer.lost = false;
+        reevaluate();
+    }
 }
 
 std::optional<ParticipantId> Admission::owner() const {
@@ -113,7 +144,15 @@ bool Admission::serves(const ParticipantId& participant) const {
 
 std::vector<std::string> Admission::take_log_lines() {
     const std::lock_guard lock(mutex_);
+    has_log_lines_.store(false, std::memory_order_relaxed);
     return std::exchange(log_lines_, {});
+}
+
+void Admission::log(std::string line) {
+    if (log_lines_.size() < most_news) {
+        log_lines_.push_back(std::move(line));
+        has_log_lines_.store(true, std::memory_order_relaxed);
+    }
 }
 
 void Admission::forget_writers(const ParticipantId& participant) {
@@ -184,6 +223,27 @@ bool Admission::may_write(const WriterId& id, const Writer& writer) const {
     return owner_ ? id.participant == *owner_ : introduced;
 }
 
+/// From now on this writer of an exclusive topic is followed.
+void Admission::follow(const WriterId& id, const Writer& writer) {
+    const auto [entry, first] = followed_.try_emplace(writer.topic, id);
+    if (first) {
+        return;
+    }
+    const WriterId before = std::exchange(entry->second, id);
+    Writer& replaced = writers_.at(before);
+    if (writer.order < replaced.order) {
+        if (writer.lost) {
+            return;  // both are silent: the first is the one to wait for
+        }
+        log(fmt::format("{} sends {} again and is followed again, instead of {}", name_of(id.participant),
+                        writer.topic, name_of(before.participant)));
+        return;
+    }
+    ++replaced.replaced;
+    log(fmt::format("{} has stopped sending {}: {} is followed until it is back", name_of(before.participant),
+                    writer.topic, name_of(id.participant)));
+}
+
 /// Recomputes which participant owns the session, which writers are followed and which are rejected.
 void Admission::reevaluate() {
     choose_owner();
@@ -195,9 +255,14 @@ void Admission::reevaluate() {
         const auto followed = followed_.find(writer.topic);
         const auto rank = [](const Writer& one) { return std::pair(one.lost, one.order); };
         if (followed == followed_.end() || rank(writer) < rank(writers_.at(followed->second))) {
-            followed_[writer.topic] = id;
+            follow(id, writer);
         }
     }
+    any_released_.store(
+        std::ranges::any_of(
+            writers_,
+            [](const auto& one) { return one.second.source == WriterPolicy::exclusive && one.second.lost; }),
+        std::memory_order_release);
 
     std::set<WriterId> refused;
     std::optional<ParticipantId> second;
@@ -212,17 +277,15 @@ void Admission::reevaluate() {
         if (contests) {
             second = id.participant;
         } else if (candidates_.contains(id.participant) && !writer.lost && log_lines_.size() < most_news &&
-                   reported_.insert(id.participant).second) {
-            log_lines_.push_back(fmt::format("{} writes {}, which is {}: ignored", name_of(id.participant),
-                                             writer.topic,
-                                             writer.source == WriterPolicy::exclusive
-                                                 ? "reserved for another writer while that one is active"
-                                                 : "reserved for the server"));
+                   writer.replaced == 0 && reported_.insert(id.participant).second) {
+            log(fmt::format("{} writes {}, which is {}: ignored", name_of(id.participant), writer.topic,
+                            writer.source == WriterPolicy::exclusive
+                                ? "reserved for another writer while that one is active"
+                                : "reserved for the server"));
         }
     }
-    if (second.has_value() != contested_.load() && log_lines_.size() < most_news) {
-        log_lines_.push_back(
-            second ? fmt::format("{} writes this session's status in addition to its server{}: it is "
+    if (second.has_value() != contested_.load()) {
+        log(second ? fmt::format("{} writes this session's status in addition to its server{}: it is "
                                  "ignored, and forces are off until it has left",
                                  name_of(*second), owner_ ? fmt::format(" {}", name_of(*owner_)) : "")
                    : "the session has one server again");

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -20,12 +21,20 @@ namespace eti::bus {
 
 /// Decides from which writers a participant accepts samples. A session has one owner: the first discovered
 /// participant that identifies itself as its server. Server topics are accepted from the owner alone; an
-/// exclusive topic from the writer discovered first, until its ownership is released. A second writer of
+/// exclusive topic from the writer discovered first; while that one's ownership is released, from the next
+/// one. The first gets the topic back once it has sent again without a break. A second writer of
 /// SessionStatus makes the session contested. Discovery reports participants and writers; the receive filter
 /// queries from any thread. This stops misconfigured programs and those that do not identify themselves. Only
 /// certificates stop a program that imitates a server completely.
 class Admission {
   public:
+    using Clock = std::chrono::steady_clock;
+    /// For which a returning writer of an exclusive topic must send, without a longer break, to get it back;
+    /// twice as long each time, up to the longest, so that an unsteady device does not take turns with
+    /// another.
+    static constexpr std::chrono::milliseconds return_time{200};
+    static constexpr std::chrono::seconds longest_return_time{60};
+
     /// `self`: this participant is the session's server.
     explicit Admission(bool self) : self_(self) {}
 
@@ -37,16 +46,20 @@ class Admission {
     void on_removed(const WriterId& writer);
     /// Liveliness of a writer of SessionStatus.
     void on_liveliness_changed(const WriterId& writer, bool alive);
-    /// The current writer of this exclusive topic is followed only until there is another.
+    /// The current writer of this exclusive topic is followed only until there is another, or until it sends
+    /// again.
     void release_ownership(std::string_view topic);
 
-    [[nodiscard]] bool rejects(const WriterId& writer) const;
+    /// Whether a sample of this writer, which has just arrived, is rejected.
+    [[nodiscard]] bool rejects(const WriterId& writer, Clock::time_point now = Clock::now());
     [[nodiscard]] std::optional<ParticipantId> owner() const;
     /// Whether it writes this session's SessionStatus.
     [[nodiscard]] bool serves(const ParticipantId& participant) const;
     [[nodiscard]] bool contested() const { return contested_.load(std::memory_order_relaxed); }
     /// Changes since the last call, as log lines.
     [[nodiscard]] std::vector<std::string> take_log_lines();
+    /// Whether there are such lines; takes no lock.
+    [[nodiscard]] bool has_log_lines() const { return has_log_lines_.load(std::memory_order_relaxed); }
 
   private:
     struct Candidate {
@@ -59,10 +72,17 @@ class Admission {
         WriterPolicy source = WriterPolicy::any;
         std::uint64_t order = 0;
         bool lost = false;  // not alive any more, or ownership released
+        // Of an exclusive topic, once its ownership was released:
+        unsigned replaced = 0;            // times that another writer was followed instead
+        Clock::time_point sends_since{};  // without a break
+        Clock::time_point last_sample{};
     };
 
     [[nodiscard]] bool make_room(bool for_server);
     void reevaluate();
+    void follow(const WriterId& id, const Writer& writer);
+    void note_sample(const WriterId& id, Clock::time_point now);
+    void log(std::string line);
     void forget_writers(const ParticipantId& participant);
     void block_participants_over_limit();
     void choose_owner();
@@ -82,7 +102,8 @@ class Admission {
     std::vector<std::string> log_lines_;
     bool crowded_ = false;  // too many participants: reported
     std::uint64_t order_ = 0;
-    std::atomic<bool> any_refused_{false}, contested_{false};
+    std::atomic<bool> any_refused_{false}, contested_{false}, has_log_lines_{false};
+    std::atomic<bool> any_released_{false};  // an exclusive topic's writer has lost its ownership
 };
 
 }  // namespace eti::bus

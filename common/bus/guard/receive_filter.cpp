@@ -8,8 +8,10 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv6TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -58,11 +60,35 @@ Watchdog& watch() {
 
 /// What the filters of one participant query.
 struct Questions {
-    std::shared_ptr<const Admission> admission;
+    std::shared_ptr<Admission> admission;
     std::shared_ptr<SequenceNumberGuard> reached = std::make_shared<SequenceNumberGuard>();
     std::shared_ptr<FragmentGuard> fragments = std::make_shared<FragmentGuard>();
+    bool this_machine_only = false;
     Watchdog* watch = &eti::bus::watch();
 };
+
+bool is_of_this_machine(const rtps::Locator_t& sender) {
+    return sender.kind == LOCATOR_KIND_SHM ||
+           (sender.kind == LOCATOR_KIND_UDPv4 && rtps::IPLocator::getIPv4(sender)[0] == 127);
+}
+
+/// Both are usual where other DDS programs run, and repeat every few seconds.
+void say_once(std::atomic<bool>& said, const char* what) {
+    if (!said.exchange(true, std::memory_order_relaxed)) {
+        bus_log().info("{}: ignored, as this program reaches this machine only (--network reaches others)",
+                       what);
+    }
+}
+
+void say_other_machine() {
+    static std::atomic<bool> said{false};
+    say_once(said, "DDS programs of other machines send to this domain");
+}
+
+void say_other_addresses() {
+    static std::atomic<bool> said{false};
+    say_once(said, "a DDS program on this domain announces addresses beyond this machine");
+}
 
 /// The datagram with parameters made padding, which the library skips. It knows the types of a session, and
 /// would allocate whatever a type description counts.
@@ -74,6 +100,15 @@ std::vector<std::uint8_t> without_parameters(Bytes datagram, const std::vector<B
         std::fill_n(at, 2, std::uint8_t{0});  // PID_PAD
     }
     return out;
+}
+
+void log_admission_changes(Admission& admission) {
+    static LogThrottle limit;
+    for (const std::string& line : admission.take_log_lines()) {
+        if (const auto suppressed = limit.allow(line)) {
+            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
+        }
+    }
 }
 
 class ReceiveFilter final : public transport::ChainingTransport {
@@ -91,12 +126,21 @@ class ReceiveFilter final : public transport::ChainingTransport {
 
     void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
                  const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+        if (ask_.this_machine_only && !is_of_this_machine(remote)) {
+            say_other_machine();
+            return;
+        }
         std::string_view fault = "is not well-formed RTPS";
-        bool by_admission = false;
+        bool ignored = false;
         std::vector<Bytes> type_descriptions;
         const auto refused = [&](const WriterSubmessage& written) {
-            by_admission = ask_.admission->rejects(written.writer);
-            if (by_admission) {
+            ignored = ask_.admission->rejects(written.writer);
+            if (ignored) {
+                return true;
+            }
+            if (ask_.this_machine_only && written.announces_other_hosts) {
+                say_other_addresses();
+                ignored = true;  // not a fault of the datagram
                 return true;
             }
             // Asked for few submessages only: it takes a lock.
@@ -122,8 +166,11 @@ class ReceiveFilter final : public transport::ChainingTransport {
                 const auto copy = without_parameters({buffer, size}, type_descriptions);
                 next->OnDataReceived(copy.data(), size, local, remote);
             }
-        } else if (!by_admission) {
+        } else if (!ignored) {
             log_dropped(size, fault);
+        }
+        if (ask_.admission->has_log_lines()) {
+            log_admission_changes(*ask_.admission);
         }
     }
 
@@ -187,9 +234,10 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 }  // namespace
 
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
-                            std::uint32_t max_datagram_bytes,
-                            const std::shared_ptr<const Admission>& admission, const std::string& profile) {
-    const Questions ask{admission};
+                            std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
+                            const std::string& profile, bool this_machine_only) {
+    Questions ask{admission};
+    ask.this_machine_only = this_machine_only;
     for (auto& one : transports) {
         one = filtered(one, max_datagram_bytes, ask, profile);
     }

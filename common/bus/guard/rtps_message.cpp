@@ -65,14 +65,37 @@ bool skip_parameter_list(Reader& in) {
     return read_parameter_list(in, [](std::uint16_t, Bytes) { return true; });
 }
 
+/// A locator (9.4.2.10) that leads beyond this machine: neither loopback nor shared memory, nor, where a
+/// group is allowed, a multicast address. Malformed ones do, too.
+bool leads_elsewhere(Bytes content, bool little, bool group_allowed) {
+    constexpr std::uint32_t udp_v4 = 1, shared_memory = 16;
+    Reader in(content, little);
+    const std::uint32_t kind = in.u32();
+    in.skip(4 + 12);  // port; an IPv4 address is in the last four octets
+    const auto address = in.octets<4>();
+    if (!in.whole() || kind == shared_memory) {
+        return !in.whole();
+    }
+    const bool loopback = address[0] == 127, group = (address[0] & 0xf0u) == 0xe0u;
+    return kind != udp_v4 || !(loopback || (group_allowed && group));
+}
+
 /// Discovery data. The library allocates as many elements as a token or a type description counts, before it
 /// reads them.
 bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
     constexpr std::uint16_t type_identifier = 0x69, type_object = 0x72, type_information = 0x75;
     constexpr std::uint16_t identity_token = 0x1001, permissions_token = 0x1002;
+    constexpr std::uint16_t unicast = 0x2f, default_unicast = 0x31, metatraffic_unicast = 0x32;
+    constexpr std::uint16_t multicast = 0x30, metatraffic_multicast = 0x33, default_multicast = 0x48;
     return read_parameter_list(in, [&](std::uint16_t id, Bytes content) {
         if (id == type_identifier || id == type_object || id == type_information) {
             written.type_descriptions.push_back(content);
+        }
+        const bool to_one = id == unicast || id == default_unicast || id == metatraffic_unicast;
+        const bool to_group = id == multicast || id == metatraffic_multicast || id == default_multicast;
+        if (to_one || to_group) {
+            written.announces_other_hosts =
+                written.announces_other_hosts || leads_elsewhere(content, little, to_group);
         }
         return (id != identity_token && id != permissions_token) || is_valid_token(content, little);
     });

@@ -38,6 +38,8 @@ struct WriterSubmessage {
     std::optional<Fragments> fragments;  ///< of a sample sent in fragments
     /// Contents of those discovery parameters that describe a type, in the datagram.
     std::vector<Bytes> type_descriptions;
+    /// Discovery data that asks for datagrams at addresses beyond this machine.
+    bool announces_other_hosts = false;
 };
 
 /// Whether a datagram is safe for the library: RTPS 2.x (OMG DDSI-RTPS 2.5, chapter 9.4) with complete

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace eti::session {
 
@@ -24,7 +25,22 @@ void RecordingLock::set(const std::filesystem::path& path) {
     if (file_) {
         struct flock lock = whole_file(F_WRLCK);
         (void)::fcntl(file_.get(), F_OFD_SETLK, &lock);
+        locked_ = identity();
     }
+}
+
+std::optional<RecordingLock::Identity> RecordingLock::identity() const {
+    constexpr off_t root_at = 36;  // after the end of the file
+    Identity found;
+    const auto read_at = [&](auto& bytes, off_t at) {
+        return ::pread(file_.get(), bytes.data(), bytes.size(), at) == static_cast<ssize_t>(bytes.size());
+    };
+    return file_ && read_at(found.begin, 0) && read_at(found.root, root_at) ? std::optional(found)
+                                                                            : std::nullopt;
+}
+
+bool RecordingLock::overwritten() const {
+    return locked_ && identity() != locked_;
 }
 
 std::optional<int> RecordingLock::deleted() const {

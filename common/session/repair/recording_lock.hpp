@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 
@@ -19,9 +20,21 @@ class RecordingLock {
     void clear() { file_.close(); }
     /// The file's descriptor if the file has been deleted since; else nullopt.
     [[nodiscard]] std::optional<int> deleted() const;
+    /// Whether another program has made a new HDF5 file in place of the one that was locked: its superblock
+    /// is not the same, apart from the end of the file, which rises.
+    [[nodiscard]] bool overwritten() const;
 
   private:
+    /// What a superblock of version 3 (48 bytes) states for good while the file is written.
+    struct Identity {
+        std::array<char, 28> begin{};  ///< signature, version, sizes, flags, base and extension addresses
+        std::array<char, 8> root{};    ///< address of the root group
+        bool operator==(const Identity&) const = default;
+    };
+    [[nodiscard]] std::optional<Identity> identity() const;
+
     Descriptor file_;
+    std::optional<Identity> locked_;
 };
 
 /// Whether a process (this one included) holds the lock on the file.

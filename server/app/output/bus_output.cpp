@@ -18,6 +18,8 @@ constexpr std::uint64_t steps_per_state = steps_per_second / 90;
 constexpr std::uint64_t steps_per_slow_state = steps_per_second / 30;
 
 constexpr std::chrono::milliseconds liveliness_interval{100};
+// Of a state that stands still: who joins sees it within a second, also where one of two is lost.
+constexpr std::chrono::milliseconds repeat_interval{400};
 // Longer than the lease after which a killed reader is discarded.
 constexpr std::chrono::milliseconds shutdown_timeout{2000};
 
@@ -118,20 +120,29 @@ void BusOutput::run() {
     const Work* step = nullptr;
     const msg::LiveMetrics* live = nullptr;
     const StatusValues* status = nullptr;
+    bool any_live = false;
     for (bool ending = false; !ending;) {
         posted_.acquire();
         ending = ending_.load(std::memory_order_acquire);  // first, so that nothing is left unread
         const bool new_step = newest_step_.read(step);
         const bool new_status = newest_status_.read(status);
+        const bool new_live = newest_live_.read(live);
+        any_live = any_live || new_live;
         publish_events(step->snapshot.time_ns);
-        if (newest_live_.read(live)) {
-            live_.publish(*live);
-        }
+        // A step leaves before its measures: a reader that has the measures has the rest.
         if (new_step) {
             publish_step(*step);
         }
+        if (new_live) {
+            live_.publish(*live);
+        }
         if (ending || (new_status && !new_step)) {
             publish_status(step->snapshot, *status);
+            if (!ending && any_live && status->phase == msg::PHASE_FROZEN &&
+                Clock::now() - repeated_ >= repeat_interval) {
+                repeat_state(step->snapshot);
+                live_.publish(*live);
+            }
         }
     }
     // Otherwise a busy reader that has not polled yet would miss the end of the session, and the sender of
@@ -161,6 +172,14 @@ void BusOutput::publish_step(const Work& work) {
     if (s.step < last_step_) {  // a replay was rewound
         next_slow_ = next_status_ = 0;
     }
+    // A paused replay repeats its step, or moves to another one to stay there.
+    const bool stands = work.status.phase == msg::PHASE_FROZEN;
+    if (stands && (s.step != last_step_ || Clock::now() - repeated_ >= repeat_interval)) {
+        last_step_ = s.step;
+        repeat_state(s);
+        publish_status(s, work.status);
+        return;
+    }
     last_step_ = s.step;
     sent_.make(s, [this](msg::DeformationState& state) { deformation_.publish(state); });
     if (fluid_) {
@@ -180,6 +199,17 @@ void BusOutput::publish_step(const Work& work) {
         // A server far behind the wall clock is alive, too.
         status_.assert_liveliness();
         asserted_ = Clock::now();
+    }
+}
+
+void BusOutput::repeat_state(const scene::Snapshot& snapshot) {
+    repeated_ = Clock::now();
+    sent_.make(
+        snapshot, [this](msg::DeformationState& state) { deformation_.publish(state); }, true);
+    sent_slow_.make(
+        snapshot, [this](msg::DeformationState& state) { deformation_slow_.publish(state); }, true);
+    if (fluid_) {
+        fluid_messages(snapshot, [this](msg::FluidState& state) { fluid_->publish(state); });
     }
 }
 

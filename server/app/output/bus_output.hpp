@@ -49,7 +49,8 @@ class BusOutput {
 
     /// Posts a step; deformation is sent in every second one.
     void post(const scene::Snapshot& snapshot, const StatusValues& status);
-    /// Posts the status while no step is taken.
+    /// Posts the status while no step is taken. With the phase FROZEN it also repeats the standing state and
+    /// its measures, for participants that join meanwhile.
     void post_status(const StatusValues& status);
     /// Posts live metrics, after each view evaluation.
     void post_live(const scene::Snapshot& snapshot, const AttemptStatus& live);
@@ -72,6 +73,8 @@ class BusOutput {
     template <class Event>
     void push(SpscQueue<Event>& queue, const Event& event);
     void publish_step(const Work& work);
+    /// Publishes a state that stands still as a whole, if it is due.
+    void repeat_state(const scene::Snapshot& snapshot);
     void publish_status(const scene::Snapshot& snapshot, const StatusValues& status);
     void publish_events(std::uint64_t time_ns);
 
@@ -97,6 +100,7 @@ class BusOutput {
     std::atomic<std::uint64_t> lost_{0};  // results, annotations and summaries
     std::uint64_t skipped_ = 0;
     Clock::time_point asserted_{};  // last assertion of liveliness
+    Clock::time_point repeated_{};  // last publication of a standing state
 
     DeformationMessages sent_, sent_slow_;
     std::uint64_t last_step_ = 0, next_slow_ = 0, next_status_ = 0;

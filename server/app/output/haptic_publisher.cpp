@@ -31,6 +31,12 @@ void HapticPublisher::post_proxy(const scene::ProxySnapshot& proxy) {
     posted_.release();
 }
 
+void HapticPublisher::post_visible_proxy(const scene::ProxySnapshot& proxy) {
+    scene::ProxySnapshot seen = proxy;
+    seen.device.translation += Vec3f(0.0f, -5.0f, 0.0f);
+    post_proxy(seen);
+}
+
 void HapticPublisher::post_forces(const scene::Snapshot& s) {
     Forces& f = newest_forces_.draft();
     f.step = s.step;

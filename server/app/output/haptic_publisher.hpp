@@ -25,6 +25,9 @@ class HapticPublisher {
     HapticPublisher& operator=(const HapticPublisher&) = delete;
 
     void post_proxy(const scene::ProxySnapshot& proxy);
+    /// Posts a proxy that is to be seen, not felt: its device is out of reach of any hand, so that a haptic
+    /// device renders no force from it.
+    void post_visible_proxy(const scene::ProxySnapshot& proxy);
     /// Posts the forces of tissue and tube, once the step is done.
     void post_forces(const scene::Snapshot& snapshot);
     /// Sends pending messages and ends the thread; later calls do nothing.

@@ -107,15 +107,15 @@ msg::ProxyState proxy_message(const scene::ProxySnapshot& s) {
 }
 
 void DeformationMessages::make(const scene::Snapshot& snapshot,
-                               const std::function<void(msg::DeformationState&)>& send) {
+                               const std::function<void(msg::DeformationState&)>& send, bool whole) {
     const std::size_t count = snapshot.frames.size();
-    const bool first = sent_.size() != count;
+    const bool all = whole || sent_.size() != count;
     sent_.resize(count);
     std::vector<std::uint16_t> due;
     const auto per_state = static_cast<std::uint32_t>(count / refresh_states + 1);
     for (std::uint32_t i = 0; i < count; ++i) {
         const bool in_turn = (i + static_cast<std::uint32_t>(count) - refresh_) % count < per_state;
-        if (first || in_turn || has_moved(sent_[i], snapshot.frames[i])) {
+        if (all || in_turn || has_moved(sent_[i], snapshot.frames[i])) {
             due.push_back(static_cast<std::uint16_t>(i));
             sent_[i] = snapshot.frames[i];
         }

@@ -44,8 +44,10 @@ struct AttemptStatus : metrics::LiveMetrics {
 class DeformationMessages {
   public:
     /// Calls `send` with each chunk of a state: the frames that have moved since they were last sent, and a
-    /// part of a slow full refresh. The first state has all frames.
-    void make(const scene::Snapshot& snapshot, const std::function<void(msg::DeformationState&)>& send);
+    /// part of a slow full refresh. The first state has all frames, and so has any that is asked to be
+    /// `whole`.
+    void make(const scene::Snapshot& snapshot, const std::function<void(msg::DeformationState&)>& send,
+              bool whole = false);
 
   private:
     std::vector<FramePose> sent_;

@@ -28,7 +28,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int states_per_second = 90;
-constexpr int states_per_look = 3;
+constexpr std::uint64_t steps_per_look = steps_per_second / 30;
 constexpr int states_per_repeat = 9;  // repeats the state for late joiners while nothing changes
 constexpr double rows_per_state = static_cast<double>(steps_per_second) / states_per_second;
 constexpr double jump = 1.0;  // [s], per arrow key
@@ -189,19 +189,19 @@ class Replay {
     void begin() {
         board_.emplace(states_.patient(), laryngoscope_mesh(scope_));
         told_ends_ = told_marks_ = told_events_ = 0;
+        next_look_ = 0;
         row_ = row_of(position_);
         publish_state();
     }
 
     void publish_state() {
         const scene::Snapshot& s = states_.at(row_);
-        scene::ProxySnapshot proxy = s;
-        // Out of reach of any hand: a haptic device connected to a replay must not render forces that another
-        // user felt.
-        proxy.device.translation += Vec3f(0.0f, -5.0f, 0.0f);
-        haptic_publisher_->post_proxy(proxy);
+        // A haptic device connected to a replay must not render forces that another user felt.
+        haptic_publisher_->post_visible_proxy(s);
         output_->post(s, status());
-        if (tick_ % states_per_look == 0) {
+        // By due step, as the shapes for slow readers are sent: both then are of the same step.
+        if (paused_ || s.step >= next_look_) {
+            next_look_ = (s.step / steps_per_look + 1) * steps_per_look;
             output_->post_live(s, states_.status(row_));
             output_->post_status(status());
         }
@@ -393,6 +393,7 @@ class Replay {
     bool ended_ = false;
     std::size_t row_ = 0;  // row being shown
     std::uint64_t tick_ = 0;
+    std::uint64_t next_look_ = 0;  // step from which measures are due again
     std::size_t told_ends_ = 0, told_marks_ = 0, told_events_ = 0;
     std::optional<bus::Node> node_;
     std::optional<BusInput> input_;

@@ -37,15 +37,15 @@ std::uint64_t FollowedDevice::poll(Clock::time_point now) {
         if (const auto received = bus::valid_pose(message_.pose(), max_received_distance)) {
             pose_ = *received;
             pressed_ = message_.buttons();
-            last_heard_ = now;
-            released_ = false;
+            last_heard_ = released_ = now;
             presence_ = msg::DEVICE_HEARD;
         } else {
             ++refused;
         }
     }
-    if (presence_ == msg::DEVICE_HEARD && !released_ && now - last_heard_ > takeover_timeout) {
-        released_ = true;
+    // Again and again: one that sends nothing but invalid poses is no device to stay with.
+    if (presence_ != msg::DEVICE_NONE && now - released_ > takeover_timeout) {
+        released_ = now;
         topic_.release_ownership();
     }
     if (presence_ == msg::DEVICE_HEARD && now - last_heard_ > silence_timeout) {

@@ -18,7 +18,8 @@ namespace eti::app {
 /// Sanitizes text from the network for logs and files: valid UTF-8 on one line, at most `most` bytes.
 [[nodiscard]] std::string sanitized_text(const std::string& text, std::size_t most = std::string::npos);
 
-/// Poses of a tool from one device: the first one discovered, as long as it keeps sending.
+/// Poses of a tool from one device: the first one discovered. While it is silent, another may take its
+/// place, until the first has returned.
 class FollowedDevice {
   public:
     using Clock = std::chrono::steady_clock;
@@ -42,7 +43,7 @@ class FollowedDevice {
     std::uint32_t pressed_ = 0;
     msg::DevicePresence presence_ = msg::DEVICE_NONE;
     Clock::time_point last_heard_{};
-    bool released_ = false;
+    Clock::time_point released_{};  // last time, or last heard
 };
 
 /// Input received over the bus since the last step. Network data is validated here: poses that are not finite

@@ -11,7 +11,6 @@
 #include <functional>
 #include <iostream>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "common/bus/bus.hpp"
@@ -19,6 +18,7 @@
 #include "common/model/pace.hpp"
 #include "common/operator/operator.hpp"
 #include "common/process/priority.hpp"
+#include "common/process/processors.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_signal.hpp"
 #include "common/scenario/scenario.hpp"
@@ -37,7 +37,7 @@
 #include "server/app/run/force_limit_monitor.hpp"
 #include "server/app/run/local_operator.hpp"
 #include "server/app/run/simulation.hpp"
-#include "server/parallel/worker_start.hpp"
+#include "server/app/run/step_priority.hpp"
 
 namespace eti::app {
 
@@ -49,27 +49,8 @@ constexpr double linger_after_operator = 0.5;  // [s]
 // threads spin for work a while before they sleep.
 constexpr double min_idle_share = 0.15;  // of a step
 
-/// Raises the simulation's priority above everything outside the haptic loop during its lifetime. Not for
-/// runs faster than real time: they would starve other processes.
-class RealTimePriorityScope {
-  public:
-    explicit RealTimePriorityScope(bool wanted) {
-        if (wanted) {
-            (void)set_real_time_priority(priority::step);
-            workers_.emplace([] { (void)set_real_time_priority(priority::step); });
-        }
-    }
-    ~RealTimePriorityScope() {
-        if (workers_) {
-            reset_priority();
-        }
-    }
-    RealTimePriorityScope(const RealTimePriorityScope&) = delete;
-    RealTimePriorityScope& operator=(const RealTimePriorityScope&) = delete;
-
-  private:
-    std::optional<parallel::WorkerStart> workers_;
-};
+// Haptic devices have faded their force out by then (0.3 s); a proxy that is only seen would end it at once.
+constexpr std::uint64_t steps_until_silent = steps_per_second / 2;
 
 /// A tool's device, as last reported.
 struct DeviceState {
@@ -154,18 +135,20 @@ class Session {
         const bool real_time = live_ && priority_refusal_.empty();
         StepClock clock(step_duration, !options_.fast, real_time ? min_idle_share : 0.0);
         {
-            const RealTimePriorityScope priority_scope(live_);
+            StepPriority priority(live_);
             while (!ended()) {
                 service_.alive();
                 if (frozen()) {
                     pause(clock);
                     continue;
                 }
+                const std::uint32_t late_before = clock.late_steps();
                 clock.wait();
                 latch(clock);
                 set_tools();
                 step(clock);
                 clock.done();
+                priority.update(clock.late_steps() > late_before);
                 report_progress(clock);
             }
         }
@@ -341,8 +324,10 @@ class Session {
                                               fmt::format("{} {}", state.name, what)});
     }
 
+    /// Time stands still only at a step whose measures are published, so that shape and measures of the
+    /// standing moment agree.
     [[nodiscard]] bool frozen() const {
-        return scenario_.freeze_on_silence &&
+        return scenario_.freeze_on_silence && simulation_->snapshot().step % steps_per_view_check == 0 &&
                (laryngoscope_.presence == msg::DEVICE_SILENT || tube_.presence == msg::DEVICE_SILENT);
     }
 
@@ -370,10 +355,14 @@ class Session {
             StatusValues now = status(clock);
             now.phase = msg::PHASE_FROZEN;
             output_->post_status(now);
+            if (paused_steps_ > steps_until_silent) {
+                haptic_publisher_->post_visible_proxy(simulation_->snapshot());
+            }
         }
     }
 
     void step(const StepClock& clock) {
+        paused_steps_ = 0;
         simulation_->scene().step(inputs_, proxy_moved_);
         const scene::Snapshot& s = simulation_->snapshot();
         if (output_) {
@@ -512,7 +501,7 @@ class Session {
     ForceLimitMonitor force_limit_monitor_;
     ServiceNotify service_;
     DeviceState laryngoscope_{"laryngoscope"}, tube_{"tube"};
-    std::uint64_t paused_steps_ = 0;       // steps
+    std::uint64_t paused_steps_ = 0;       // in this pause
     std::uint64_t last_logged_state_ = 0;  // step
     double operator_done_at_ = -1.0;       // [s], simulation time
     double pass_began_ = 0.0;              // [s], simulation time, start of the operator's script
@@ -536,8 +525,8 @@ std::filesystem::path numbered_record(const std::filesystem::path& record, std::
 }  // namespace
 
 int run_server(const Options& options) {
-    const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
-                                                    : std::max(1u, std::thread::hardware_concurrency());
+    const std::size_t threads =
+        options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors();
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     if (!options.resimulate.empty()) {
         return resimulate(options);

@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 
 #include "common/hdf5/handle.hpp"
-#include "common/model/pace.hpp"
-#include "common/model/thresholds.hpp"
 #include "common/model/tools/parked_pose.hpp"
 #include "server/app/run/patient_cache.hpp"
 #include "server/patient/newborn/from_scenario.hpp"
@@ -14,9 +12,6 @@
 namespace eti::app {
 
 namespace {
-
-constexpr std::uint64_t steps_per_view_check =
-    steps_per_second / static_cast<std::uint64_t>(threshold::look_rate.value);
 
 /// Physiology of the newborn if vital signs are simulated. A built model provides its weight only.
 std::optional<physiology::Physiology> physiology_of(const Scenario& scenario,

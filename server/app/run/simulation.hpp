@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/model/pace.hpp"
+#include "common/model/thresholds.hpp"
 #include "common/operator/operator.hpp"
 #include "common/scenario/scenario.hpp"
 #include "server/metrics/metrics.hpp"
@@ -12,6 +14,10 @@
 #include "server/scene/scene.hpp"
 
 namespace eti::app {
+
+/// Steps between two evaluations of the view, whose results are published.
+inline constexpr std::uint64_t steps_per_view_check =
+    steps_per_second / static_cast<std::uint64_t>(threshold::look_rate.value);
 
 /// Initial inputs: tools parked clear of the face, runtime parameters as in the scenario.
 [[nodiscard]] scene::Inputs parked_inputs(const Scenario& scenario, const patient::Patient& patient);

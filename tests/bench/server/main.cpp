@@ -2,8 +2,7 @@
 // Copyright the NeoETI authors
 #include <tbb/global_control.h>
 
-#include <thread>
-
+#include "common/process/processors.hpp"
 #include "common/process/program.hpp"
 #include "tests/bench/server/accuracy/accuracy.hpp"
 #include "tests/bench/server/accuracy/calibration.hpp"
@@ -91,10 +90,9 @@ int main(int argc, char** argv) {
     return eti::run_program(
         app, argc, argv,
         [&] {
-            const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
-                                              threads > 0
-                                                  ? static_cast<std::size_t>(threads)
-                                                  : std::max(1u, std::thread::hardware_concurrency()));
+            const tbb::global_control control(
+                tbb::global_control::max_allowed_parallelism,
+                threads > 0 ? static_cast<std::size_t>(threads) : usable_processors());
             if (!shard.empty()) {
                 accuracy.shard = stability.shard = sufficiency.shard = eti::bench::Shard(shard);
             }

@@ -88,6 +88,25 @@ class Replay(support.Programs):
             otherwise = (numpy.abs(before[view] - picture).max(axis=2) > CHANGE).mean()
             self.assertGreater(otherwise, 3 * changed, f"{view}: two seconds before it was not the same")
 
+    def test_joiner_sees_paused_moment_with_its_numbers(self):
+        self.start_server("--operator", "expert", "--steps", STEPS)
+        self.assertEqual(self.running["server"].wait(support.PATIENCE), 0)
+        whole_out = self.draw("whole")
+        self.replay("--from", STEPS / 180 - 1)
+        whole_time, whole = self.pictures("whole", whole_out)
+        self.assertEqual(self.running["replay"].wait(support.PATIENCE), 0, self.log("replay"))
+        self.replay("--pause", "--loop")
+        self.ask("--seek", whole_time)
+        time.sleep(1.0)  # the client joins what has stood for a while
+        joined_out = self.draw("joined")
+        self.wait_for("joined", "scene is complete")
+        time.sleep(1.0)
+        self.ask("--command", "stop")
+        joined_time, joined = self.pictures("joined", joined_out)
+        self.assertEqual(joined_time, whole_time)
+        for view, picture in whole.items():
+            self.assertLess((numpy.abs(joined[view] - picture).max(axis=2) > CHANGE).mean(), LIKE, view)
+
     def test_replay_is_controlled_over_the_bus(self):
         self.record_expert(3)
         # Makes the replay position visible.

@@ -234,6 +234,35 @@ class SessionFile(support.Case):
         page = resource.getpagesize()
         self.assertEqual([(at, size) for at, size in again if at // page != (at + size - 1) // page], [])
 
+    def test_overwritten_recording_ends_with_remedy(self):
+        process = self.start(900, 1)
+        try:
+            process.stdout.readline()
+            time.sleep(0.5)
+            with h5py.File(self.file, "w") as file:
+                file["numbers"] = [1, 2, 3]
+            _, said = process.communicate(timeout=60)  # it ends by itself
+        finally:
+            process.kill()
+            process.communicate()
+        self.assertIn("another program has overwritten the file", said)
+        self.assertNotEqual(process.returncode, 0)
+
+    def test_sigterm_ends_check(self):
+        self.record(20000)
+        process = subprocess.Popen([support.BIN / "eti-review", "check", self.file], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        support.wait_until(lambda: process.poll() is not None or children.read_text(), "its reader starts")
+        reader = int(children.read_text())
+        os.kill(reader, signal.SIGSTOP)  # so that it is not done before the signal
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.3)
+        os.kill(reader, signal.SIGCONT)
+        out, said = process.communicate(timeout=10)
+        self.assertEqual(process.returncode, 130, said)
+        self.assertEqual((out, said), ("", ""))
+
     def test_repair_refuses_running_recording(self):
         process = self.start(100000, 1)
         try:

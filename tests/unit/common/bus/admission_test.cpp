@@ -105,11 +105,69 @@ TEST(Admission, ServerAcceptsOneWriterPerPose) {
     EXPECT_FALSE(server.rejects(writer_of(a, 1)));
 }
 
+class ReturningWriterTest : public testing::Test {
+  protected:
+    ReturningWriterTest() {
+        server_.on_discovered(a, "'eti-tracker' host:1", false);
+        server_.on_discovered(b, "'eti-tracker' host:2", false);
+        server_.on_discovered(writer_of(a, 1), topics::tube_pose.name);
+        server_.on_discovered(writer_of(b, 1), topics::tube_pose.name);
+        (void)server_.take_log_lines();
+    }
+
+    /// Both send every 4 ms; time after which the first is accepted.
+    std::chrono::milliseconds until_first_is_accepted(std::chrono::milliseconds longest) {
+        for (std::chrono::milliseconds sent{0}; sent <= longest; sent += 4ms, now_ += 4ms) {
+            const bool first_rejected = server_.rejects(writer_of(a, 1), now_);
+            EXPECT_NE(first_rejected, server_.rejects(writer_of(b, 1), now_)) << "one of the two";
+            if (!first_rejected) {
+                return sent;
+            }
+        }
+        return longest + 1ms;
+    }
+
+    Admission server_{true};
+    Admission::Clock::time_point now_ = Admission::Clock::now();
+};
+
+TEST_F(ReturningWriterTest, FirstWriterGetsItsTopicBack) {
+    server_.release_ownership(topics::tube_pose.name);
+    EXPECT_FALSE(server_.rejects(writer_of(b, 1), now_));
+    EXPECT_THAT(server_.take_log_lines(),
+                Contains(HasSubstr("'eti-tracker' host:1 has stopped sending eti/tube_pose: 'eti-tracker' "
+                                   "host:2 is followed")));
+    EXPECT_FALSE(server_.has_log_lines());
+    EXPECT_TRUE(server_.rejects(writer_of(a, 1), now_)) << "a single sample";
+    now_ += 600ms;
+    EXPECT_EQ(until_first_is_accepted(1s), Admission::return_time);
+    EXPECT_TRUE(server_.has_log_lines());
+    EXPECT_THAT(server_.take_log_lines(), Contains(HasSubstr("host:1 sends eti/tube_pose again")));
+    EXPECT_TRUE(server_.rejects(writer_of(b, 1), now_));
+}
+
+TEST_F(ReturningWriterTest, UnsteadyWriterWaitsLongerEachTime) {
+    std::chrono::milliseconds expected = Admission::return_time;
+    for (int time = 0; time < 4; ++time, expected *= 2) {
+        server_.release_ownership(topics::tube_pose.name);
+        now_ += 600ms;
+        EXPECT_EQ(until_first_is_accepted(10s), expected) << time;
+    }
+}
+
+TEST_F(ReturningWriterTest, WriterThatResumesAloneKeepsItsTopic) {
+    server_.on_removed(writer_of(b, 1));
+    server_.release_ownership(topics::tube_pose.name);
+    EXPECT_FALSE(server_.rejects(writer_of(a, 1), now_));
+    server_.on_discovered(writer_of(b, 1), topics::tube_pose.name);
+    EXPECT_FALSE(server_.rejects(writer_of(a, 1), now_)) << "it has sent since";
+    EXPECT_TRUE(server_.rejects(writer_of(b, 1), now_));
+}
+
 TEST(Admission, ReleasedTopicAcceptsNextWriterImmediately) {
     Admission server(true);
     server.on_discovered(writer_of(a, 1), topics::tube_pose.name);
     server.release_ownership(topics::tube_pose.name);
-    EXPECT_FALSE(server.rejects(writer_of(a, 1))) << "it may come back";
     server.on_discovered(writer_of(b, 1), topics::tube_pose.name);
     EXPECT_FALSE(server.rejects(writer_of(b, 1)));
     EXPECT_TRUE(server.rejects(writer_of(a, 1)));

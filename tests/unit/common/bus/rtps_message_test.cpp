@@ -234,6 +234,32 @@ TEST(RtpsMessage, TypeDescriptionsAreReported) {
     EXPECT_EQ(found[0].data() - message.bytes().data(), 20 + 4 + 20 + 4 + 4);
 }
 
+TEST(RtpsMessage, LocatorsBeyondThisMachineAreReported) {
+    constexpr std::uint32_t unicast = 0x2f, multicast = 0x30, default_unicast = 0x31, metatraffic = 0x32;
+    const auto leads_elsewhere = [](std::uint32_t parameter, int kind, int a, int b, int c, int d) {
+        const Message message = announcement_with(
+            parameter, {kind, 0, 0, 0, 0xe8, 0x1c, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, a, b, c, d});
+        bool found = false;
+        EXPECT_TRUE(is_well_formed(message.bytes(), [&](const WriterSubmessage& written) {
+            found = written.announces_other_hosts;
+            return false;
+        }));
+        return found;
+    };
+    for (const std::uint32_t parameter : {unicast, default_unicast, metatraffic}) {
+        EXPECT_FALSE(leads_elsewhere(parameter, 1, 127, 0, 0, 1));
+        EXPECT_FALSE(leads_elsewhere(parameter, 1, 127, 255, 0, 1));
+        EXPECT_TRUE(leads_elsewhere(parameter, 1, 192, 0, 2, 1));
+        EXPECT_TRUE(leads_elsewhere(parameter, 1, 239, 255, 0, 1)) << "a group is not one host";
+        EXPECT_TRUE(leads_elsewhere(parameter, 2, 0, 0, 0, 1)) << "IPv6";
+        EXPECT_TRUE(leads_elsewhere(parameter, 4, 127, 0, 0, 1)) << "TCP";
+        EXPECT_FALSE(leads_elsewhere(parameter, 16, 0, 0, 0, 0)) << "shared memory";
+    }
+    EXPECT_FALSE(leads_elsewhere(multicast, 1, 239, 255, 0, 1));
+    EXPECT_TRUE(leads_elsewhere(multicast, 1, 192, 0, 2, 1));
+    EXPECT_FALSE(leads_elsewhere(0x15, 1, 192, 0, 2, 1)) << "another parameter";
+}
+
 TEST(RtpsMessage, DatagramFromRejectedWriterIsDropped) {
     const auto message = Message().acknack(1).data().bytes();
     const WriterId writer{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, {0, 0, 1, 3}};

@@ -400,6 +400,33 @@ TEST_F(Session, FullQueueDropsRecordsAndWarns) {
     EXPECT_EQ(reader.events()[0].kind, "recording");
 }
 
+// As by h5py.File(path, "w"), which the library's lock does not refuse.
+TEST_F(Session, OverwrittenFileEndsRecordingWithoutHang) {
+    const std::filesystem::path other = folder / "other.eti.h5";
+    record(other, 10);
+    for (const bool at_end : {false, true}) {
+        std::filesystem::remove(path);
+        std::atomic<int> errors{0};
+        SessionWriter::Settings settings;
+        settings.on_error = [&](const std::string& text) {
+            EXPECT_NE(text.find("another program has overwritten the file"), std::string::npos) << text;
+            EXPECT_NE(text.find("swmr=True"), std::string::npos) << text;
+            ++errors;
+        };
+        SessionWriter writer(path, sample::info(), sample::scene(), settings);
+        for (std::uint64_t i = 0; i < 400; ++i) {
+            writer.push(sample::step(i));
+        }
+        ASSERT_TRUE(test::eventually([&] { return SessionReader(path).steps().size() == 400; }));
+        std::filesystem::copy_file(other, path, std::filesystem::copy_options::overwrite_existing);
+        if (!at_end) {
+            EXPECT_TRUE(test::eventually([&] { return writer.failed(); }));
+        }
+        EXPECT_FALSE(writer.close());
+        EXPECT_EQ(errors, 1);
+    }
+}
+
 TEST_F(Session, ExistingAndUnwritablePathsAreRefused) {
     std::ofstream(path) << "precious";
     EXPECT_THROW(SessionWriter(path, sample::info(), sample::scene(), {}), hdf5::Error);

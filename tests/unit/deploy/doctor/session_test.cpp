@@ -7,6 +7,8 @@
 
 #include <numeric>
 
+#include "common/bus/rediscovery_counter.hpp"
+
 namespace eti::doctor {
 namespace {
 
@@ -126,6 +128,47 @@ TEST(JudgeSession, LossAndSilenceOfATopicAreNamed) {
     report.topics = {{"eti/deformation", 900, 100, 10.0}, {"eti/live_metrics", 0, 0, 0.0}};
     EXPECT_THAT(diagnose_session(report, {}), mend("socket buffers"));
     EXPECT_THAT(diagnose_session(report, {}), Contains(Field(&Finding::text, "no messages")));
+}
+
+TEST(JudgeSession, ForgedDeparturesAreNamed) {
+    SessionReport report = whole();
+    report.seconds = 5.0;
+    report.rediscoveries.after_departure = 5;
+    EXPECT_THAT(diagnose_session(report, {}), mend("forges departures"));
+}
+
+TEST(JudgeSession, InterruptedConnectionIsNamed) {
+    SessionReport report = whole();
+    report.rediscoveries.after_silence = 1;
+    EXPECT_THAT(diagnose_session(report, {}), mend("cable and switch"));
+}
+
+TEST(JudgeSession, ThinLinkIsNamedWithTheRateNeeded) {
+    SessionReport report = whole();
+    // 1 Mbit/s of 5.
+    report.topics = {{"eti/deformation", 200, 800, 80.0, 0.9}, {"eti/live_metrics", 20, 80, 80.0, 0.1}};
+    const Findings findings = diagnose_session(report, {});
+    EXPECT_THAT(findings, mend("a client needs 10 Mbit/s"));
+    EXPECT_THAT(findings, Contains(Field(&Finding::text, HasSubstr("1.0 Mbit/s arrive of 5.0"))));
+    report.rediscoveries.after_departure = 3;
+    EXPECT_THAT(diagnose_session(report, {}), Not(mend("a client needs")));
+    report.rediscoveries = {};
+    report.topics = {{"eti/deformation", 990, 10, 1.0, 4.5}};
+    EXPECT_THAT(diagnose_session(report, {}), Each(Field(&Finding::state, State::ok)));
+}
+
+TEST(RediscoveryCounter, CountsReturnsByTheirCause) {
+    bus::RediscoveryCounter<int> counter;
+    counter.on_discovered(1);
+    counter.on_gone(1, true);
+    counter.on_gone(2, false);
+    counter.on_gone(3, true);  // and stays away
+    EXPECT_EQ(counter.counts().after_departure, 0u);
+    counter.on_discovered(1);
+    counter.on_discovered(1);  // an update of what is known
+    counter.on_discovered(2);
+    EXPECT_EQ(counter.counts().after_departure, 1u);
+    EXPECT_EQ(counter.counts().after_silence, 1u);
 }
 
 TEST(Percentile, MatchesSortedValues) {

@@ -222,13 +222,23 @@ class VendorDevice : public ::testing::TestWithParam<OnVendorsLibrary> {};
 
 TEST_P(VendorDevice, IsReadAndPublished) {
     const auto& [program, device, library] = GetParam();
-    Running running(program, with(device, {"--library", library, "--json", "--duration", "2"}));
+    Running running(program,
+                    with(device, {"--library", library, "--uncalibrated", "--json", "--duration", "2"}));
     EXPECT_EQ(running.wait(), 0) << running.err();
     EXPECT_THAT(running.err(), HasSubstr("is not calibrated"));
     const auto result = nlohmann::json::parse(running.out());
     EXPECT_GT(result.at("poses_published"), 40);
     EXPECT_EQ(result.at("device_losses"), 0);
     EXPECT_EQ(result.at("poses_left_out"), 0);
+}
+
+TEST_P(VendorDevice, IsRefusedWithoutCalibration) {
+    const auto& [program, device, library] = GetParam();
+    Running running(program, with(device, {"--library", library, "--json", "--duration", "2"}));
+    EXPECT_GT(running.wait(), 0);
+    EXPECT_THAT(running.err(), AllOf(HasSubstr("is not calibrated"), HasSubstr("eti-calibrate"),
+                                     HasSubstr("--uncalibrated")));
+    EXPECT_EQ(running.out(), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, VendorDevice,
@@ -432,7 +442,8 @@ TEST(Haptics, InvalidSilenceLimitIsRefused) {
 }
 
 TEST(Haptics, MissingVendorLibraryIsNamed) {
-    const Done done = run(ETI_HAPTICS, with("openhaptics", {"--library", "/nowhere/libHD.so"}));
+    const Done done =
+        run(ETI_HAPTICS, with("openhaptics", {"--uncalibrated", "--library", "/nowhere/libHD.so"}));
     EXPECT_GT(done.status, 0);
     EXPECT_THAT(done.err, AllOf(HasSubstr("/nowhere/libHD.so"), HasSubstr("Install OpenHaptics")));
 }

@@ -69,6 +69,18 @@ TEST_F(BusInputTest, SecondDeviceTakesOverFromSilentFirst) {
         ASSERT_EQ(input_.laryngoscope().pose()->translation.x(), 0.1f);
     }
     EXPECT_TRUE(heard(two, 0.5f));
+    // The first gets its tool back, although the second sends on.
+    const auto first_returns = [&] {
+        one.publish(pose_at(0.1f));
+        two.publish(pose_at(0.5f));
+        std::this_thread::sleep_for(10ms);
+        input_.poll();
+        return input_.laryngoscope().pose()->translation.x() == 0.1f;
+    };
+    ASSERT_TRUE(eventually(first_returns));
+    for (int i = 0; i < 50; ++i) {
+        ASSERT_TRUE(first_returns());
+    }
 }
 
 TEST_F(BusInputTest, ImplausiblePosesAreRefused) {

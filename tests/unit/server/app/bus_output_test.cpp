@@ -3,6 +3,7 @@
 #include "server/app/output/bus_output.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "common/bus/codec/fluid_state.hpp"
 #include "common/bus/security/session_keys.hpp"
@@ -133,6 +134,92 @@ TEST_F(BusOutputTest, ReplacedStateStillPublishesDueStatus) {
         writes->post(snapshot, {});
         ASSERT_TRUE(eventually([&] { return status.take(message) && message.header().number() == step; }))
             << step;
+    }
+}
+
+// A state of many frames, of which each message without a refresh carries a part.
+scene::Snapshot still_snapshot() {
+    scene::Snapshot snapshot;
+    snapshot.step = 24;
+    snapshot.time_ns = 133'333'333;
+    snapshot.frames.resize(400);
+    for (FramePose& frame : snapshot.frames) {
+        frame.centre.setConstant(0.02f);
+    }
+    snapshot.tube_nodes.assign(4, Vec3f(0.01f, 0.02f, 0.03f));
+    return snapshot;
+}
+
+// Frames of the newest moment that have arrived, and whether its measures have.
+class Joiner {
+  public:
+    Joiner(bus::Node& node, const bus::Topic<msg::DeformationState>& topic)
+        : shapes_(node, topic), live_(node, bus::topics::live_metrics) {}
+
+    [[nodiscard]] bool sees(const scene::Snapshot& snapshot) {
+        while (shapes_.take(shape_)) {
+            if (shape_.header().simulation_time_ns() == snapshot.time_ns) {
+                for (const msg::FrameUpdate& frame : shape_.frames()) {
+                    frames_.insert(frame.frame());
+                }
+            }
+        }
+        while (live_.take(measures_)) {
+            measured_ = measured_ || measures_.header().simulation_time_ns() == snapshot.time_ns;
+        }
+        return measured_ && frames_.size() == snapshot.frames.size();
+    }
+
+  private:
+    bus::Subscriber<msg::DeformationState> shapes_;
+    bus::Subscriber<msg::LiveMetrics> live_;
+    msg::DeformationState shape_;
+    msg::LiveMetrics measures_;
+    std::set<std::uint16_t> frames_;
+    bool measured_ = false;
+};
+
+TEST_F(BusOutputTest, JoinerSeesStateThatStandsStill) {
+    const auto writes = output(false);
+    const scene::Snapshot snapshot = still_snapshot();
+    StatusValues frozen;
+    frozen.phase = msg::PHASE_FROZEN;
+    writes->post(snapshot, {});
+    writes->post_live(snapshot, {});
+    std::this_thread::sleep_for(100ms);  // nothing is left to send
+    for (const auto& topic : {bus::topics::deformation, bus::topics::deformation_slow}) {
+        Joiner joiner(client_, topic);
+        EXPECT_TRUE(eventually([&] {
+            writes->post_status(frozen);
+            std::this_thread::sleep_for(50ms);
+            return joiner.sees(snapshot);
+        })) << topic.name;
+    }
+}
+
+TEST_F(BusOutputTest, PausedReplayShowsEveryMoment) {
+    const auto writes = output(false);
+    scene::Snapshot snapshot = still_snapshot();
+    StatusValues frozen;
+    frozen.phase = msg::PHASE_FROZEN;
+    for (const auto& topic : {bus::topics::deformation, bus::topics::deformation_slow}) {
+        Joiner joiner(client_, topic);
+        EXPECT_TRUE(eventually([&] {
+            writes->post(snapshot, frozen);
+            writes->post_live(snapshot, {});
+            std::this_thread::sleep_for(50ms);
+            return joiner.sees(snapshot);
+        })) << topic.name;
+        // A step of two, to a moment at which no shape is due for slow readers.
+        snapshot.step += 2;
+        snapshot.time_ns += 11'111'111;
+        Joiner next(client_, topic);
+        EXPECT_TRUE(eventually([&] {
+            writes->post(snapshot, frozen);
+            writes->post_live(snapshot, {});
+            std::this_thread::sleep_for(50ms);
+            return next.sees(snapshot);
+        })) << topic.name;
     }
 }
 
