@@ -2,13 +2,12 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
-
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "common/bus/fastdds/names.hpp"
 #include "common/bus/guard/admission.hpp"
 
 namespace eti::bus {
@@ -19,10 +18,9 @@ namespace eti::bus {
 /// throws BusError on another kind, naming `profile`, the file that requested it. When the library does not
 /// return from a datagram for `watchdog_timeout`, the program reports that and ends at once with status
 /// `exit_watchdog`.
-void install_receive_filter(
-    std::vector<std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>>& transports,
-    std::uint32_t max_datagram_bytes, const std::shared_ptr<const Admission>& admission,
-    const std::string& profile);
+void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
+                            std::uint32_t max_datagram_bytes,
+                            const std::shared_ptr<const Admission>& admission, const std::string& profile);
 
 /// Longer than any stall of a working session; forces are zero after 0.3 s.
 inline constexpr std::chrono::seconds watchdog_timeout{30};

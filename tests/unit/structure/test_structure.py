@@ -41,7 +41,7 @@ class Includes(unittest.TestCase):
     def test_allowed_includes_pass(self):
         for path, target in (
             ("common/bus/a.cpp", '"common/math/transform.hpp"'),
-            ("common/bus/a.cpp", '"idl/eti.h"'),
+            ("common/bus/a.cpp", '"idl/eti_wire.hpp"'),
             ("common/bus/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
             ("server/scene/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/app/a.cpp", '"common/bus/bus.hpp"'),
@@ -68,7 +68,7 @@ class Includes(unittest.TestCase):
             ("server/scene/a.cpp", '"server/patient/newborn/build/build.hpp"'),
             ("server/app/a.cpp", '"server/patient/imaging/read.hpp"'),
             ("server/patient/model/a.cpp", '"server/patient/newborn/build/build.hpp"'),
-            ("server/scene/a.cpp", '"idl/eti.h"'),
+            ("server/scene/a.cpp", '"idl/eti_wire.hpp"'),
             ("server/metrics/a.cpp", '"common/bus/topics.hpp"'),
             ("server/app/a.cpp", '"client/view/view.hpp"'),
             ("server/app/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
