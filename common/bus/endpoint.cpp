@@ -119,7 +119,7 @@ Publisher<Message>::Publisher(Publisher&&) noexcept = default;
 
 template <class Message>
 bool Publisher<Message>::publish(const Message& message) {
-    return within_bounds(message) && impl_->writer->write(const_cast<Message*>(&message));
+    return within_bounds(message) && write_sample(*impl_->writer, &message);
 }
 
 template <class Message>

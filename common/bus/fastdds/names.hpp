@@ -34,6 +34,7 @@
 #include <fastrtps/types/TypesBase.h>
 #include <fastrtps/utils/IPLocator.h>
 #endif
+#include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
 namespace eti::bus {
@@ -56,6 +57,15 @@ using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
     return code == dds::RETCODE_OK;
 #else
     return code == ReturnCode::RETCODE_OK;
+#endif
+}
+
+/// Whether `writer` took the sample. Version 3 returns a code, whose success is 0; version 2 returns true.
+[[nodiscard]] inline bool write_sample(dds::DataWriter& writer, const void* sample) {
+#if ETI_FASTDDS >= 3
+    return writer.write(sample) == dds::RETCODE_OK;
+#else
+    return writer.write(const_cast<void*>(sample));
 #endif
 }
 

@@ -92,6 +92,14 @@ class Includes(unittest.TestCase):
                 self.assertEqual(len(found), 1, found)
                 self.assertTrue(found[0].startswith(f"{path}:3: "), found)
 
+    def test_library_versions_are_known_in_one_place(self):
+        for line in ("#if ETI_FASTDDS >= 3", "#include <fastrtps/config.h>", "using eprosima::fastrtps::Duration_t;"):
+            with self.subTest(line=line):
+                self.assertEqual(violations({"common/bus/fastdds/a.cpp": f"{HEADER}{line}\n"}), [])
+                found = violations({"common/bus/a.cpp": f"{HEADER}{line}\n"})
+                self.assertEqual(found, ["common/bus/a.cpp:3: depends on the version of Fast DDS; what differs stays in "
+                                         "common/bus/fastdds"])
+
     def test_circular_folder_includes_are_detected(self):
         found = violations(including("common/mesh/a.cpp", '"common/model/b.hpp"')
                            | including("common/model/b.cpp", '"common/mesh/a.hpp"'))

@@ -167,13 +167,13 @@ TEST(MalformedSample, IsDroppedAndNextValidSampleIsRead) {
         auto bytes = good;
         bytes.resize(8 + random.bits() % (good.size() - 16));
         bytes[random.bits() % bytes.size()] = static_cast<std::uint8_t>(random.bits());
-        writer->write(&bytes);
+        EXPECT_TRUE(write_sample(*writer, &bytes));
         EXPECT_FALSE(subscriber.take(received));
     }
     std::this_thread::sleep_for(100ms);
     EXPECT_FALSE(subscriber.take(received));
     auto last = good;
-    ASSERT_TRUE(writer->write(&last));
+    ASSERT_TRUE(write_sample(*writer, &last));
     EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
     EXPECT_TRUE(received == example<msg::SessionStatus>());
     hostile.publisher->delete_datawriter(writer);
