@@ -41,9 +41,6 @@ void apply_identity(const Options& options, dds::DomainParticipantQos& qos,
     add("dds.sec.access.builtin.Access-Permissions.governance", file("governance.p7s"));
     add("dds.sec.access.builtin.Access-Permissions.permissions", file("permissions.p7s"));
     add("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
-    // Fast DDS 3 names algorithms otherwise than version 2, which refuses these names and ignores the property.
-    add("dds.sec.auth.builtin.PKI-DH.transmit_algorithms_as_legacy", "true");
-    add("dds.sec.access.builtin.Access-Permissions.transmit_algorithms_as_legacy", "true");
 }
 
 std::string endpoint_creation_error(const Options& options, std::string_view topic, bool write) {
