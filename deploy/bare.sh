@@ -2,17 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# A bare Debian 12 in a folder, without this project's packages: try_bare.sh and try_packages.sh source it, after
+# A bare Debian in a folder, without this project's packages: try_bare.sh and try_packages.sh source it, after
 # setup.sh, for its functions. Such a system runs in mount and process namespaces of its own: when they end, so do its
 # mounts and all of its processes.
 
-BARE_RELEASE=bookworm
+# bare_release NAME: makes the system of this release, by code name or number. By default it is this machine's.
+bare_release() {
+    case $1 in
+        12 | bookworm) BARE_RELEASE=bookworm BARE_NAME="Debian 12" ;;
+        13 | trixie) BARE_RELEASE=trixie BARE_NAME="Debian 13" ;;
+        *) eti_fail "--release is '$1'; expected 12, 13, bookworm or trixie" ;;
+    esac
+}
 
-# This machine's apt mirror of Debian's main section.
+# This machine's apt mirror of Debian's main section, which has every release.
 bare_mirror_of_apt() {
     # shellcheck disable=SC2016  # apt fills these in
     apt-get indextargets --format '$(CODENAME) $(COMPONENT) $(SITE)' 'Created-By: Packages' 2>/dev/null |
-        sed -n "s/^$BARE_RELEASE main //p" | head -n 1
+        sed -n -E "s/^(${ETI_RELEASES// /|}) main //p" | head -n 1
 }
 
 # bare_check MIRROR: stops if such a system cannot be created here.
@@ -20,7 +27,7 @@ bare_check() {
     [ "$(id -u)" -eq 0 ] || eti_fail "needs root, to mount and to change the root folder. Run: sudo $0"
     unshare --mount --pid --fork true 2>/dev/null ||
         eti_fail "this system does not allow mount namespaces; in a container, start it with --privileged"
-    [ -n "$1" ] || eti_fail "this machine's apt names no mirror of $BARE_RELEASE; name one with --mirror"
+    [ -n "$1" ] || eti_fail "this machine's apt names no mirror of Debian; name one with --mirror"
 }
 
 # bare_make SYSTEM MIRROR [PACKAGE...]: creates the system, with these packages besides the required ones.

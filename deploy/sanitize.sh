@@ -123,7 +123,9 @@ else
     mkdir -p "$out" && out=$(cd "$out" && pwd) || exit 2
     if asked fuzz; then
         [ ${#readers[@]} -gt 0 ] || mapfile -t readers < <(all_readers)
-        if eti_build fuzz -DETI_TESTS=ON "${readers[@]/#/fuzz-}"; then
+        clang=clang-$([ "$(eti_release)" = trixie ] && echo 19 || echo 16)     # as deploy/packages/fuzz.txt
+        if eti_build fuzz -DETI_TESTS=ON "-DCMAKE_C_COMPILER=$clang" "-DCMAKE_CXX_COMPILER=${clang/clang/clang++}" \
+            "${readers[@]/#/fuzz-}"; then
             echo "reader,runs,seconds,findings" >"$out/fuzz.csv"
             for reader in "${readers[@]}"; do fuzz "$reader"; done
         else

@@ -15,11 +15,33 @@ ETI_PYTHON=/usr/bin/python3
 
 eti_fail() { eti_say "$(basename "$0"): $*"; exit 1; }
 
-# Package names in the lists deploy/packages/NAME.txt, each once.
+# The releases whose package names the lists give.
+ETI_RELEASES="bookworm trixie"
+
+# The release whose packages are to be installed: ETI_RELEASE, or this system's.
+eti_release() {
+    local file=${ETI_OS_RELEASE:-/etc/os-release} release=${ETI_RELEASE:-} system
+    [ -n "$release" ] || release=$(. "$file" 2>/dev/null && printf '%s' "${VERSION_CODENAME:-}")
+    case " $ETI_RELEASES " in
+        *" ${release:-none} "*) echo "$release" ;;
+        *)
+            system=$(. "$file" 2>/dev/null && printf '%s' "${PRETTY_NAME:-}")
+            system="$file says ${system:-nothing}"
+            eti_fail "deploy/packages has the package names of Debian 12 (bookworm) and Debian 13 (trixie), but" \
+                     "$([ -n "${ETI_RELEASE:-}" ] && echo "ETI_RELEASE is $ETI_RELEASE" || echo "$system")." \
+                     "Remedy: ETI_RELEASE=bookworm or ETI_RELEASE=trixie installs by that release's names; or install" \
+                     "your system's equivalents, then build with cmake --preset release."
+            ;;
+    esac
+}
+
+# Package names in the lists deploy/packages/NAME.txt, each once. A name followed by [CODENAME] is for that release only.
 eti_packages() {
-    local list
+    local list release
+    release=$(eti_release) || return 1
     for list in "$@"; do
-        sed -e 's/#.*//' -e 's/[[:space:]]*$//' -e '/^$/d' "$ETI_ROOT/deploy/packages/$list.txt"
+        sed -e 's/#.*//' -e 's/[[:space:]]*$//' -e "s/[[:space:]]*\[$release\]\$//" -e '/\[/d' -e '/^$/d' \
+            "$ETI_ROOT/deploy/packages/$list.txt"
     done | awk '!seen[$0]++'
 }
 
@@ -42,19 +64,18 @@ eti_missing() {
 # eti_install LIST...: installs the missing packages of these lists. Announces each step; does not use the network when
 # nothing is missing.
 eti_install() {
-    local wanted missing as_root=() release
-    mapfile -t wanted < <(eti_packages "$@")
+    local wanted missing as_root=()
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-        eti_say "There is no apt here, so nothing was installed. These are the names in Debian 12 of the packages"
+        eti_say "There is no apt here, so nothing was installed. These are the names in Debian 13 of the packages"
         eti_say "needed; install their equivalents, then build with cmake --preset release:"
-        printf '  %s\n' "${wanted[@]}" >&2
+        ETI_RELEASE=trixie eti_packages "$@" | sed 's/^/  /' >&2
         exit 3
     fi
+    wanted=$(eti_packages "$@") || exit 1
+    mapfile -t wanted <<<"$wanted"
     mapfile -t missing < <(eti_missing "${wanted[@]}")
     [ ${#missing[@]} -eq 0 ] && return 0
 
-    release=$(. /etc/os-release 2>/dev/null && printf '%s %s' "$ID" "${VERSION_ID:-}")
-    [ "$release" = "debian 12" ] || eti_say "Note: tested on Debian 12, this is ${release:-unknown}."
     eti_say "To be installed with apt-get: ${missing[*]}"
     if [ "$(id -u)" -ne 0 ]; then
         command -v sudo >/dev/null ||
@@ -83,7 +104,7 @@ eti_install() {
                  "Check the network, a proxy if you need one (apt's Acquire::http::Proxy), and the mirrors in" \
                  "/etc/apt/sources.list; then run this again."
     eti_fail "apt-get install failed (see above, and $logs/apt-install.log), so nothing was built. If a package was" \
-             "not found, this system's release differs from Debian 12; if a download failed, run this again."
+             "not found, this system is not the release whose names were used ($(eti_release)); if a download failed, run this again."
 }
 
 # Memory [kB] available to programs here: the machine's, or less if a container or a service has a limit.

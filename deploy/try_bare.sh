@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Runs both commands of the README on a bare Debian 12 in a folder, like a new user.
+# Runs both commands of the README on a bare Debian in a folder, like a new user.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/bare.sh"
@@ -11,8 +11,9 @@ USER_THERE=trainee
 
 usage() {
     cat <<USAGE
-Usage: deploy/try_bare.sh [--as root|user]... [--only demo|test]... [--mirror URL] [--logs DIR] [--no-install]
-Creates a bare Debian 12 (debootstrap, minbase) in a temporary folder and runs deploy/demo.sh and deploy/test.sh of this
+Usage: deploy/try_bare.sh [--as root|user]... [--only demo|test]... [--release NAME] [--mirror URL] [--logs DIR]
+                          [--no-install]
+Creates a bare Debian (debootstrap, minbase) in a temporary folder and runs deploy/demo.sh and deploy/test.sh of this
 checkout in it, without a display: as root in a folder without .git, as from an archive; and, in another such system, as
 a user who may use sudo, whose home is read-only and whose clone lies in a folder with a space in its name. The user's
 build reuses root's compiler cache. Reports what was missing, the times of
@@ -20,6 +21,7 @@ installing, building and running, and the disk space. Exit 0 only if every comma
 Needs root, 12 GB in TMPDIR (default /var/tmp), and a mirror: that of this machine's apt, or --mirror.
   --as WHO        root or user; may be given twice (default: both)
   --only COMMAND  demo or test; may be given twice (default: both)
+  --release NAME  12 or bookworm, 13 or trixie (default: this machine's)
   --mirror URL    Debian mirror
   --logs DIR      folder for each command's output and build logs (default: out/try_bare)
   --no-install    do not look for debootstrap
@@ -64,8 +66,9 @@ run_command() {
 }
 
 inside() {
-    local base=$1 mirror=$2 logs=$3 whom=$4 scripts=$5 system folder who script bare rows=() failures=0
-    eti_say "== A bare Debian 12 from $mirror"
+    local base=$1 release=$2 mirror=$3 logs=$4 whom=$5 scripts=$6 system folder who script bare rows=() failures=0
+    bare_release "$release"
+    eti_say "== A bare $BARE_NAME from $mirror"
     bare_make "$base" "$mirror"
     for who in $whom; do
         system=$base-$who folder="/root/neoeti"
@@ -105,14 +108,15 @@ if [ "${1:-}" = --inside ]; then
     exit
 fi
 
-whom=() scripts=() mirror='' logs=$ETI_ROOT/out/try_bare install=yes
+whom=() scripts=() release='' mirror='' logs=$ETI_ROOT/out/try_bare install=yes
 while [ $# -gt 0 ]; do
     case $1 in
-        --as | --only | --mirror | --logs)
+        --as | --only | --release | --mirror | --logs)
             [ $# -ge 2 ] || eti_fail "$1 wants a value; see --help"
             case $1=$2 in
                 --as=root | --as=user) whom+=("$2") ;;
                 --only=demo | --only=test) scripts+=("$2") ;;
+                --release=*) release=$2 ;;
                 --mirror=*) mirror=$2 ;;
                 --logs=*) logs=$2 ;;
                 *) eti_fail "$1 is '$2'; expected $([ "$1" = --as ] && echo "root or user" || echo "demo or test")" ;;
@@ -128,9 +132,11 @@ done
 [ ${#whom[@]} -gt 0 ] || whom=(root user)
 [ ${#scripts[@]} -gt 0 ] || scripts=(demo test)
 
+release=${release:-$(eti_release)} || exit 1
+bare_release "$release"
 [ $install = yes ] && eti_install bare
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
 mkdir -p "$logs" || eti_fail "cannot create $logs; choose another folder with --logs"
-bare_enter bare "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
-eti_say "On a bare Debian 12 every command passed."
+bare_enter bare "$BARE_RELEASE" "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
+eti_say "On a bare $BARE_NAME every command passed."

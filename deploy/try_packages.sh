@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Installs the Debian packages on a bare Debian 12 in a folder, runs the demo there as an ordinary user, and removes
+# Installs the Debian packages on a bare Debian in a folder, runs the demo there as an ordinary user, and removes
 # the packages again.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -13,10 +13,11 @@ DOMAIN_THERE=91          # separate from any other program on this machine
 
 usage() {
     cat <<USAGE
-Usage: deploy/try_packages.sh [--packages DIR] [--mirror URL] [--no-install]
-Creates a bare Debian 12 (debootstrap, minbase) in a temporary folder, installs these packages there with their dependencies, runs eti-demo, and removes them. Exit 0 only if the trachea was intubated and nothing was left behind.
+Usage: deploy/try_packages.sh [--packages DIR] [--release NAME] [--mirror URL] [--no-install]
+Creates a bare Debian (debootstrap, minbase) in a temporary folder, installs these packages there with their dependencies, runs eti-demo, and removes them. Exit 0 only if the trachea was intubated and nothing was left behind.
 Needs root, 1.5 GB in TMPDIR (default /var/tmp), and a mirror: that of this machine's apt, or --mirror.
   --packages DIR   packages built by deploy/package.sh (default: out/packages; built if there are none)
+  --release NAME   12 or bookworm, 13 or trixie (default: this machine's); packages fit the release they were built on
   --mirror URL     Debian mirror
   --no-install     do not look for missing packages
   --help           print this
@@ -24,8 +25,9 @@ USAGE
 }
 
 inside() {
-    local system=$1 packages=$2 mirror=$3
-    eti_say "== A bare Debian 12 from $mirror"
+    local system=$1 release=$2 packages=$3 mirror=$4
+    bare_release "$release"
+    eti_say "== A bare $BARE_NAME from $mirror"
     bare_make "$system" "$mirror"
     bare_mount "$system"
     mkdir "$system/packages" && cp "$packages"/*.deb "$system/packages/"
@@ -68,12 +70,16 @@ if [ "${1:-}" = --inside ]; then
     exit
 fi
 
-packages=$ETI_ROOT/out/packages mirror='' install=yes
+packages=$ETI_ROOT/out/packages release='' mirror='' install=yes
 while [ $# -gt 0 ]; do
     case $1 in
-        --packages | --mirror)
+        --packages | --release | --mirror)
             [ $# -ge 2 ] || eti_fail "$1 wants a value; see --help"
-            if [ "$1" = --packages ]; then packages=$2; else mirror=$2; fi
+            case $1 in
+                --packages) packages=$2 ;;
+                --release) release=$2 ;;
+                *) mirror=$2 ;;
+            esac
             shift
             ;;
         --no-install) install=no ;;
@@ -83,9 +89,11 @@ while [ $# -gt 0 ]; do
     shift
 done
 
+release=${release:-$(eti_release)} || exit 1
+bare_release "$release"
 [ $install = yes ] && eti_install package
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
 ls "$packages"/neoeti*.deb >/dev/null 2>&1 || "$ETI_ROOT/deploy/package.sh" --out "$packages" >/dev/null || exit 1
-bare_enter packages "$(realpath "$packages")" "$mirror" || exit 1
-eti_say "The packages install on a bare Debian 12, the demo runs from them, and they leave nothing behind."
+bare_enter packages "$BARE_RELEASE" "$(realpath "$packages")" "$mirror" || exit 1
+eti_say "The packages install on a bare $BARE_NAME, the demo runs from them, and they leave nothing behind."

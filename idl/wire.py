@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Writes what the message generator leaves out: wire.py eti.idl OUT.hpp
+"""Writes what the message generator leaves out: wire.py eti.idl OUT.hpp STRUCTS
+
+STRUCTS is the generated header, as OUT.hpp includes it.
 
 From the IDL come the list of messages, the bound of every sequence by its name, a walk over the members of every
 struct, and whole(), which checks a payload before it is read. The generated reader checks no bound, and it
@@ -70,11 +72,13 @@ class Writer:
                 "template <class Payload>", f"[[nodiscard]] bool whole_{name}(Payload& in) {{", f"    return {walks};",
                 "}"]
 
-    def text(self):
+    def text(self, structs):
         out = ["// Written by idl/wire.py.", "#pragma once", "", "#include <concepts>", "#include <cstddef>",
-               "#include <cstdint>", "#include <type_traits>", "", '#include "idl/eti.h"', "",
+               "#include <cstdint>", "#include <type_traits>", "", f'#include "{structs}"', "",
                "/// X(name) of every message: of every struct with a header.", "#define ETI_MESSAGES(X) \\",
                " \\\n".join(f"    X({name})" for name in self.messages), "", "namespace eti::msg {", "",
+               "// Enumerators are in this namespace, as in the IDL: some generators scope them to their enum.",
+               *(f"using enum {name};" for name in self.enums), "",
                "inline constexpr std::size_t no_bound = SIZE_MAX;", "",
                "/// How many elements a sequence may have, or letters a string: struct and member.", "namespace bound {"]
         out += [f"inline constexpr std::size_t {name}_{member} = {self.bound(kind)};"
@@ -92,8 +96,9 @@ class Writer:
 
 
 def main():
-    source, target = map(Path, sys.argv[1:])
-    target.write_text(Writer(*parse(source.read_text(encoding="utf-8"))).text(), encoding="utf-8")
+    source, target, structs = sys.argv[1:]
+    parts = parse(Path(source).read_text(encoding="utf-8"))
+    Path(target).write_text(Writer(*parts).text(structs), encoding="utf-8")
 
 
 if __name__ == "__main__":

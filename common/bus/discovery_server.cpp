@@ -12,8 +12,6 @@
 
 namespace eti::bus {
 
-namespace dds = eprosima::fastdds::dds;
-
 struct DiscoveryServer::Impl {
     dds::DomainParticipant* participant = nullptr;
 

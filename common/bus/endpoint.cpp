@@ -16,9 +16,6 @@
 
 namespace eti::bus {
 
-using eprosima::fastrtps::Duration_t;
-using eprosima::fastrtps::types::ReturnCode_t;
-
 namespace {
 
 template <class Message>
@@ -31,13 +28,13 @@ struct Wire;
 ETI_MESSAGES(ETI_WIRE)
 #undef ETI_WIRE
 
-const Duration_t liveliness_lease{0.3L};
+const Duration liveliness_lease{0.3L};
 // Longest time that a reliable write waits for a stuck reader.
-const Duration_t max_blocking{0.02L};
+const Duration max_blocking{0.02L};
 // Repair of lost samples: the library's heartbeat period of 3 s would show as a stall. Heartbeats are sent
 // only while a reader has not acknowledged everything.
-const Duration_t heartbeat_period{0.02L};
-const Duration_t repair_delay{0.001L};
+const Duration heartbeat_period{0.02L};
+const Duration repair_delay{0.001L};
 // Instances that a reader keeps; the library's default of 10 rejects the eleventh object of a scene.
 constexpr std::int32_t max_instances_kept = 256;
 
@@ -55,7 +52,7 @@ void apply(const Qos& wanted, bool keyed, EndpointQos& qos) {
     limits.max_samples_per_instance = wanted.depth;
     limits.max_samples = limits.max_instances * wanted.depth;
     limits.allocated_samples = std::min(limits.max_samples, 16);
-    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();  // rejects keyed types, and its files outlive a killed writer
     if (wanted.manual_liveliness) {
         qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
@@ -103,13 +100,11 @@ Publisher<Message>::Publisher(std::shared_ptr<Participant> participant, const To
     impl_->participant = std::move(participant);
     const dds::TypeSupport type(new typename Wire<Message>::Type());
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
-    apply(topic.qos, type->m_isGetKeyDefined, qos);
+    apply(topic.qos, is_keyed(*type.get()), qos);
     if (topic.qos.manual_liveliness) {
-        qos.liveliness().announcement_period = Duration_t{0.1L};
+        qos.liveliness().announcement_period = Duration{0.1L};
     }
-    auto& times = qos.reliable_writer_qos().times;
-    times.heartbeatPeriod = heartbeat_period;
-    times.nackResponseDelay = repair_delay;
+    set_repair(qos.reliable_writer_qos().times, heartbeat_period, repair_delay);
     impl_->writer = impl_->participant->publisher->create_datawriter(
         impl_->participant->topic(topic.name, type), qos, nullptr, dds::StatusMask::none());
     if (impl_->writer == nullptr) {
@@ -124,15 +119,13 @@ Publisher<Message>::Publisher(Publisher&&) noexcept = default;
 
 template <class Message>
 bool Publisher<Message>::publish(const Message& message) {
-    return within_bounds(message) && impl_->writer->write(const_cast<Message*>(&message));
+    return within_bounds(message) && write_sample(*impl_->writer, &message);
 }
 
 template <class Message>
 int Publisher<Message>::matched() const {
     dds::PublicationMatchedStatus status;
-    return impl_->writer->get_publication_matched_status(status) == ReturnCode_t::RETCODE_OK
-               ? status.current_count
-               : 0;
+    return succeeded(impl_->writer->get_publication_matched_status(status)) ? status.current_count : 0;
 }
 
 template <class Message>
@@ -142,8 +135,8 @@ void Publisher<Message>::assert_liveliness() {
 
 template <class Message>
 bool Publisher<Message>::wait_until_received(std::chrono::milliseconds timeout) {
-    const Duration_t longest(static_cast<long double>(timeout.count()) * 1e-3L);
-    return impl_->writer->wait_for_acknowledgments(longest) == ReturnCode_t::RETCODE_OK;
+    const Duration longest(static_cast<long double>(timeout.count()) * 1e-3L);
+    return succeeded(impl_->writer->wait_for_acknowledgments(longest));
 }
 
 struct WaitSet::Impl {
@@ -181,7 +174,7 @@ class ReaderListener final : public dds::DataReaderListener {
 
     void on_liveliness_changed(dds::DataReader* /*reader*/,
                                const dds::LivelinessChangedStatus& status) override {
-        const auto writer = eprosima::fastrtps::rtps::iHandle2GUID(status.last_publication_handle);
+        const auto writer = rtps::iHandle2GUID(status.last_publication_handle);
         participant_.on_liveliness_changed(writer, status.alive_count_change > 0);
     }
 
@@ -229,8 +222,8 @@ Subscriber<Message>::Subscriber(std::shared_ptr<Participant> participant, const 
     impl_->manual_liveliness = topic.qos.manual_liveliness;
     const dds::TypeSupport type(new typename Wire<Message>::Type());
     dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
-    apply(topic.qos, type->m_isGetKeyDefined, qos);
-    qos.reliable_reader_qos().times.heartbeatResponseDelay = repair_delay;
+    apply(topic.qos, is_keyed(*type.get()), qos);
+    set_repair(qos.reliable_reader_qos().times, repair_delay);
     if (impl_->participant->options.shared_multicast && !topic.qos.reliable) {
         share(*impl_->participant, topic.name, qos);
     }
@@ -250,7 +243,7 @@ template <class Message>
 bool Subscriber<Message>::take(Message& message) {
     dds::SampleInfo info;
     // Skip samples without data (a writer left).
-    while (impl_->reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+    while (succeeded(impl_->reader->take_next_sample(&message, &info))) {
         if (info.valid_data) {
             std::ranges::copy(info.sample_identity.writer_guid().guidPrefix.value, impl_->sender.begin());
             impl_->received_ns = static_cast<std::uint64_t>(info.reception_timestamp.to_ns());
@@ -275,7 +268,7 @@ bool Subscriber<Message>::take_latest(Message& message) {
 template <class Message>
 bool Subscriber<Message>::wait(std::chrono::milliseconds timeout) {
     return impl_->reader->wait_for_unread_message(
-        Duration_t{static_cast<long double>(timeout.count()) * 1e-3L});
+        Duration{static_cast<long double>(timeout.count()) * 1e-3L});
 }
 
 template <class Message>
@@ -303,9 +296,7 @@ void Subscriber<Message>::release_ownership() {
 template <class Message>
 int Subscriber<Message>::matched() const {
     dds::SubscriptionMatchedStatus status;
-    return impl_->reader->get_subscription_matched_status(status) == ReturnCode_t::RETCODE_OK
-               ? status.current_count
-               : 0;
+    return succeeded(impl_->reader->get_subscription_matched_status(status)) ? status.current_count : 0;
 }
 
 template <class Message>
@@ -314,8 +305,7 @@ bool Subscriber<Message>::alive() const {
         return matched() > 0;
     }
     dds::LivelinessChangedStatus status;
-    return impl_->reader->get_liveliness_changed_status(status) == ReturnCode_t::RETCODE_OK &&
-           status.alive_count > 0;
+    return succeeded(impl_->reader->get_liveliness_changed_status(status)) && status.alive_count > 0;
 }
 
 #define ETI_ENDPOINTS(name)              \

@@ -4,7 +4,6 @@
 
 #include <spdlog/sinks/stdout_sinks.h>
 
-#include <fastrtps/config.h>
 #include <fastdds/dds/log/Log.hpp>
 #include <memory>
 
@@ -48,10 +47,6 @@ spdlog::logger& bus_log() {
         return known ? known : spdlog::stderr_logger_mt("bus");
     }();
     return *logger;
-}
-
-std::string library_version() {
-    return FASTRTPS_VERSION_STR;
 }
 
 void set_up_library_log() {

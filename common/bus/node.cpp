@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <fastrtps/attributes/LibrarySettingsAttributes.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
 #include "common/bus/codec/convert.hpp"
+#include "common/bus/fastdds/settings.hpp"
 #include "common/bus/guard/receive_filter.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/security/identity.hpp"
@@ -16,14 +15,12 @@
 
 namespace eti::bus {
 
-using eprosima::fastrtps::Duration_t;
-
 namespace {
 
 // Within this lease a crashed process is removed and a late joiner found. With the library's own 20 s and 3
 // s, a session looks alive long after it has died.
-const Duration_t participant_lease{1.5L};
-const Duration_t participant_announcement{0.5L};
+const Duration participant_lease{1.5L};
+const Duration participant_announcement{0.5L};
 
 void set_up_library() {
     static std::once_flag once;
@@ -31,9 +28,7 @@ void set_up_library() {
         set_up_library_log();
         // Two nodes of one process communicate as two processes do. Tests then exercise the real path, and a
         // writer never runs a reader's code on its own thread.
-        auto settings = eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings();
-        settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-        eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+        turn_off_intraprocess_delivery();
     });
 }
 
@@ -67,13 +62,13 @@ std::string field_of(const std::string& text, std::string_view key) {
 // Bounds memory use on a hostile network.
 constexpr std::size_t max_peers = 256;
 
-ParticipantId id_of(const eprosima::fastrtps::rtps::GuidPrefix_t& prefix) {
+ParticipantId id_of(const rtps::GuidPrefix_t& prefix) {
     ParticipantId id{};
     std::ranges::copy(prefix.value, id.begin());
     return id;
 }
 
-WriterId writer_id(const eprosima::fastrtps::rtps::GUID_t& guid) {
+WriterId writer_id(const rtps::GUID_t& guid) {
     WriterId id{id_of(guid.guidPrefix), {}};
     std::ranges::copy(guid.entityId.value, id.entity.begin());
     return id;
@@ -219,12 +214,12 @@ Rediscoveries Participant::rediscoveries() const {
             participants.after_silence};
 }
 
-void Participant::on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive) {
+void Participant::on_liveliness_changed(const rtps::GUID_t& writer, bool alive) {
     admission_->on_liveliness_changed(writer_id(writer), alive);
     log_admission_changes();
 }
 
-std::vector<eprosima::fastrtps::rtps::Locator_t> Participant::own_locators() const {
+std::vector<rtps::Locator_t> Participant::own_locators() const {
     const std::lock_guard lock(peers_mutex_);
     return own_locators_;
 }
@@ -242,15 +237,13 @@ void Participant::log_admission_changes() {
     }
 }
 
-void Participant::on_participant_discovery(dds::DomainParticipant*,
-                                           eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) {
-    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    const ParticipantId id = id_of(info.info.m_guid.guidPrefix);
-    if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
+void Participant::on_participant(const DiscoveredParticipant& found) {
+    const ParticipantId id = id_of(found.prefix);
+    if (found.removed()) {
         {
             const std::lock_guard lock(peers_mutex_);
             peers_.erase(id);
-            gone_participants_.on_gone(id, info.status == Info::REMOVED_PARTICIPANT);
+            gone_participants_.on_gone(id, found.change == DiscoveryChange::left);
             // The library has just reported its writers as removed; they are counted as one with it.
             gone_writers_.forget([&](const WriterId& writer) { return writer.participant == id; });
         }
@@ -258,12 +251,10 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
         log_admission_changes();
         return;
     }
-    const auto& data = info.info.m_userData.data_vec();
-    const std::optional<Peer> peer = introduced(std::string(data.begin(), data.end()),
-                                                std::string(info.info.m_participantName.c_str()), id);
+    const std::optional<Peer> peer = introduced(found.user_data, found.name, id);
     const bool as_server =
         peer && peer->name == server_name && peer->session == options.session && peer->protocol == protocol;
-    if (info.status == Info::DISCOVERED_PARTICIPANT) {
+    if (found.change == DiscoveryChange::discovered) {
         const std::lock_guard lock(peers_mutex_);
         gone_participants_.on_discovered(id);
     }
@@ -285,37 +276,34 @@ void Participant::on_participant_discovery(dds::DomainParticipant*,
     log_admission_changes();
 }
 
-bool Participant::in_session(const dds::PartitionQosPolicy& partitions) const {
+bool Participant::in_session(const std::vector<std::string>& partitions) const {
     const std::string own = partition_of(options.session);
     // Partitions may be patterns; matched by fnmatch, as in the library.
-    return std::ranges::any_of(partitions.getNames(), [&](const std::string& name) {
+    return std::ranges::any_of(partitions, [&](const std::string& name) {
         return name == own || name.find_first_of("*?[") != std::string::npos;
     });
 }
 
-void Participant::on_publisher_discovery(dds::DomainParticipant* self,
-                                         eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) {
-    using Info = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
-    if (info.info.guid().guidPrefix == self->guid().guidPrefix) {
+void Participant::on_writer(const DiscoveredWriter& found) {
+    if (found.guid.guidPrefix == participant->guid().guidPrefix) {
         // The library also reports its own participant, and so the port that it found free.
         const std::lock_guard lock(peers_mutex_);
-        const auto& locators = info.info.remote_locators().unicast;
-        own_locators_.assign(locators.begin(), locators.end());
+        own_locators_ = found.unicast_locators;
         return;
     }
-    const WriterId writer = writer_id(info.info.guid());
+    const WriterId writer = writer_id(found.guid);
     {
         const std::lock_guard lock(peers_mutex_);
-        if (info.status == Info::REMOVED_WRITER) {
+        if (found.change == DiscoveryChange::left) {
             gone_writers_.on_gone(writer, true);
-        } else if (info.status == Info::DISCOVERED_WRITER) {
+        } else if (found.change == DiscoveryChange::discovered) {
             gone_writers_.on_discovered(writer);
         }
     }
-    if (info.status == Info::REMOVED_WRITER) {
+    if (found.change == DiscoveryChange::left) {
         admission_->on_removed(writer);
-    } else if (in_session(info.info.m_qos.m_partition)) {
-        admission_->on_discovered(writer, info.info.topicName().c_str());
+    } else if (in_session(found.partitions)) {
+        admission_->on_discovered(writer, found.topic);
     }
     log_admission_changes();
 }

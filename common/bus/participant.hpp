@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
@@ -19,6 +18,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/echo.hpp"
+#include "common/bus/fastdds/discovery_listener.hpp"
 #include "common/bus/guard/admission.hpp"
 #include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
@@ -28,11 +28,9 @@
 
 namespace eti::bus {
 
-namespace dds = eprosima::fastdds::dds;
-
 /// State shared by a node's publishers and subscribers. The last of them deletes it, so the order in which
 /// they and the node are destroyed does not matter.
-class Participant final : public dds::DomainParticipantListener {
+class Participant final : public DiscoveryListener {
   public:
     explicit Participant(const Options& options);
     ~Participant() override;
@@ -45,10 +43,10 @@ class Participant final : public dds::DomainParticipantListener {
     [[nodiscard]] std::vector<Peer> peers() const;
     [[nodiscard]] Rediscoveries rediscoveries() const;
     /// Liveliness of a writer that matches a reader here.
-    void on_liveliness_changed(const eprosima::fastrtps::rtps::GUID_t& writer, bool alive);
+    void on_liveliness_changed(const rtps::GUID_t& writer, bool alive);
     void release_ownership(std::string_view topic);
     /// Unicast locators of this participant; known once it has a writer.
-    [[nodiscard]] std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators() const;
+    [[nodiscard]] std::vector<rtps::Locator_t> own_locators() const;
     [[nodiscard]] bool contested() const { return admission_->contested(); }
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
     /// Comparable with Peer::started.
@@ -60,11 +58,9 @@ class Participant final : public dds::DomainParticipantListener {
     dds::Subscriber* subscriber = nullptr;
 
   private:
-    void on_participant_discovery(dds::DomainParticipant* participant,
-                                  eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
-    void on_publisher_discovery(dds::DomainParticipant* participant,
-                                eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
-    [[nodiscard]] bool in_session(const dds::PartitionQosPolicy& partitions) const;
+    void on_participant(const DiscoveredParticipant& found) override;
+    void on_writer(const DiscoveredWriter& found) override;
+    [[nodiscard]] bool in_session(const std::vector<std::string>& partitions) const;
     void log_admission_changes();
     void watch_interfaces();
     void close();
@@ -77,7 +73,7 @@ class Participant final : public dds::DomainParticipantListener {
     std::map<ParticipantId, Peer> peers_;
     RediscoveryCounter<ParticipantId> gone_participants_;
     RediscoveryCounter<WriterId> gone_writers_;
-    std::vector<eprosima::fastrtps::rtps::Locator_t> own_locators_;
+    std::vector<rtps::Locator_t> own_locators_;
     std::vector<std::string> warnings_;
     std::uint64_t started_ns_ = 0;
     std::optional<InterfaceWatcher> interfaces_;

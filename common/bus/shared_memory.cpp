@@ -22,6 +22,12 @@ bool lock_is_free(const fs::path& file) {
     return lock && ::flock(lock.get(), LOCK_EX | LOCK_NB) == 0;
 }
 
+/// Of either major version of the library, as programs of both can run on a machine.
+bool is_transport_lock(const std::string& name) {
+    return (name.starts_with("fastrtps_") || name.starts_with("fastdds_")) &&
+           (name.ends_with("_el") || name.ends_with("_sl"));
+}
+
 struct Mappings {
     std::set<std::string> files;  ///< files of the folder that some process maps
     std::set<uid_t> unreadable;   ///< users with a process whose mappings cannot be read
@@ -64,8 +70,7 @@ StaleSharedMemory find_stale_shared_memory(const fs::path& folder) {
         const std::string name = entry.path().filename().string();
         if (name.starts_with("fast_datasharing_")) {
             shared.push_back(name);
-        } else if (name.starts_with("fastrtps_") && (name.ends_with("_el") || name.ends_with("_sl")) &&
-                   lock_is_free(entry.path())) {
+        } else if (is_transport_lock(name) && lock_is_free(entry.path())) {
             stale.transport.push_back(name.substr(0, name.size() - 3));
         }
     }

@@ -10,7 +10,7 @@ namespace eti::bus {
 
 /// Shared-memory files of the DDS library whose owner is dead.
 struct StaleSharedMemory {
-    std::vector<std::string> transport;     ///< fastrtps_*, removed by `fastdds shm clean`
+    std::vector<std::string> transport;     ///< fastrtps_* or fastdds_*, removed by `fastdds shm clean`
     std::vector<std::string> data_sharing;  ///< fast_datasharing_*, which that command does not remove
 };
 

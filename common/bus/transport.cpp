@@ -7,26 +7,18 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <charconv>
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <memory>
 #include <sstream>
 #include <utility>
 
 #include "common/bus/discovery_server.hpp"
+#include "common/bus/fastdds/settings.hpp"
 #include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/process/files/descriptor.hpp"
 
 namespace eti::bus {
-
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
-using eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
@@ -84,8 +76,6 @@ std::string server_prefix(std::size_t number) {
 
 /// HOST or HOST:PORT; the index in the list is the server's id, as in 'fastdds discovery --server-id'.
 void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainParticipantQos& qos) {
-    auto& config = qos.wire_protocol().builtin.discovery_config;
-    config.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
     for (std::size_t id = 0; id < servers.size(); ++id) {
         const std::string& server = servers[id];
         refuse_ipv6(server, "--discovery-server");
@@ -103,30 +93,25 @@ void add_discovery_servers(const std::vector<std::string>& servers, dds::DomainP
         }
         rtps::Locator_t locator = locator_of(server.substr(0, colon), "--discovery-server");
         rtps::IPLocator::setPhysicalPort(locator, port);
-        rtps::RemoteServerAttributes attributes;
-        attributes.ReadguidPrefix(server_prefix(id).c_str());
-        attributes.metatrafficUnicastLocatorList.push_back(locator);
-        config.m_DiscoveryServers.push_back(attributes);
+        add_discovery_server(locator, server_prefix(id), qos);
     }
 }
 
 dds::DomainParticipantQos profile_qos(const std::filesystem::path& file) {
-    auto* factory = dds::DomainParticipantFactory::get_instance();
     if (!std::filesystem::is_regular_file(file)) {
         throw BusError(fmt::format(
             "profile {}: no such file; give the path of a Fast DDS XML profile (examples: deploy/data/dds)",
             file.string()));
     }
-    // The library keeps the first profile of a name; another node of this process may use another file.
-    eprosima::fastrtps::xmlparser::XMLProfileManager::DeleteInstance();
-    if (factory->load_XML_profiles_file(file.string()) != ReturnCode_t::RETCODE_OK) {
+    dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+    const ProfileResult result = read_profile(file, "eti", qos);
+    if (result == ProfileResult::invalid_file) {
         throw BusError(
             fmt::format("profile {}: not a valid Fast DDS XML profile (the lines above say where); compare "
                         "deploy/data/dds",
                         file.string()));
     }
-    dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
-    if (factory->get_participant_qos_from_profile("eti", qos) != ReturnCode_t::RETCODE_OK) {
+    if (result == ProfileResult::no_such_profile) {
         throw BusError(fmt::format(
             "profile {}: holds no <participant profile_name=\"eti\">; name the participant profile 'eti'",
             file.string()));
@@ -138,7 +123,7 @@ dds::DomainParticipantQos profile_qos(const std::filesystem::path& file) {
 /// or starved while it holds one of the library's locks there ends or stalls the others
 /// (docs/decisions/bus-transport.md).
 void use_own_transports(bool reaches_network, dds::DomainParticipantQos& qos) {
-    auto udp = std::make_shared<UDPv4TransportDescriptor>();
+    auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
     udp->sendBufferSize = socket_buffer;
     udp->receiveBufferSize = socket_buffer;
     udp->maxInitialPeersRange = participants_per_machine;
@@ -225,12 +210,11 @@ dds::DomainParticipantQos discovery_server_qos(int number, const std::string& ad
                                                std::vector<std::string>& warnings) {
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
     use_own_transports(true, qos);
-    auto& builtin = qos.wire_protocol().builtin;
-    builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+    make_discovery_server(qos);
     std::istringstream(server_prefix(static_cast<std::size_t>(number))) >> qos.wire_protocol().prefix;
     rtps::Locator_t locator = locator_of(address.empty() ? "0.0.0.0" : address, "--address");
     rtps::IPLocator::setPhysicalPort(locator, port);
-    builtin.metatrafficUnicastLocatorList.push_back(locator);
+    qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(locator);
     check_socket_buffer(SO_RCVBUF, "net.core.rmem_max", warnings);
     return qos;
 }

@@ -2,13 +2,13 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <fastdds/rtps/common/Locator.h>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/fastdds/names.hpp"
 
 namespace eti::bus {
 
@@ -23,20 +23,20 @@ inline constexpr std::uint32_t max_secured_datagram_bytes = 8192;  // [bytes]
 /// Transports, peers and discovery server of a participant with these options, or those of a profile. Every
 /// transport keeps to max_datagram_bytes. Adds to `warnings` what the kernel does not grant. Throws BusError
 /// for contradictory options, a name that cannot be resolved, or an invalid profile.
-[[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos participant_qos(
-    const Options& options, std::vector<std::string>& warnings);
+[[nodiscard]] dds::DomainParticipantQos participant_qos(const Options& options,
+                                                        std::vector<std::string>& warnings);
 
 /// Whether these options find programs on this machine only; a profile defines it otherwise.
 [[nodiscard]] bool this_machine_only(const Options& options);
 
 /// QoS of a discovery server; arguments as for DiscoveryServer.
-[[nodiscard]] eprosima::fastdds::dds::DomainParticipantQos discovery_server_qos(
-    int number, const std::string& address, std::uint16_t port, std::vector<std::string>& warnings);
+[[nodiscard]] dds::DomainParticipantQos discovery_server_qos(int number, const std::string& address,
+                                                             std::uint16_t port,
+                                                             std::vector<std::string>& warnings);
 
 /// The topic's own multicast group, where several readers receive one copy. Empty: these options do not use
 /// multicast.
-[[nodiscard]] std::optional<eprosima::fastrtps::rtps::Locator_t> multicast_locator(const Options& options,
-                                                                                   std::size_t topic);
+[[nodiscard]] std::optional<rtps::Locator_t> multicast_locator(const Options& options, std::size_t topic);
 
 /// Discovery settings in terms of the command line: "this machine alone" or "--peer a, --peer b".
 [[nodiscard]] std::string reach(const Options& options);

@@ -15,16 +15,16 @@ template <class Generated>
 void read(const std::uint8_t* data, std::size_t size) {
     WireType<Generated> type;
     typename WireType<Generated>::Message message;
-    SerializedPayload_t payload(static_cast<std::uint32_t>(size));
+    rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(size));
     std::copy_n(data, size, payload.data);
     payload.length = static_cast<std::uint32_t>(size);
-    if (!type.deserialize(&payload, &message)) {
+    if (!type.read(payload, &message)) {
         return;
     }
     fuzz::require(within_bounds(message), "a message beyond the bounds of eti.idl was taken");
-    SerializedPayload_t again(type.getSerializedSizeProvider(&message)());
-    fuzz::require(type.serialize(&message, &again), "a message that was taken cannot be written");
-    fuzz::require(type.deserialize(&again, &message), "a message that was written is not taken");
+    rtps::SerializedPayload_t again(type.size_of(&message));
+    fuzz::require(type.write(&message, again), "a message that was taken cannot be written");
+    fuzz::require(type.read(again, &message), "a message that was written is not taken");
 }
 
 constexpr void (*readers[])(const std::uint8_t*, std::size_t) = {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "common/math/transform.hpp"
-#include "idl/eti.h"
+#include "idl/eti_wire.hpp"
 
 namespace eti::bus {
 

@@ -8,7 +8,7 @@
 
 #include "common/bus/codec/quantised_positions.hpp"
 #include "common/math/transform.hpp"
-#include "idl/eti.h"
+#include "idl/eti_wire.hpp"
 
 namespace eti::bus {
 

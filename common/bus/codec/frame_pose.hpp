@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/mesh/skinning.hpp"
-#include "idl/eti.h"
+#include "idl/eti_wire.hpp"
 
 namespace eti::bus {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/model/surface.hpp"
-#include "idl/eti.h"
+#include "idl/eti_wire.hpp"
 
 namespace eti::bus {
 

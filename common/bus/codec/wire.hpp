@@ -9,12 +9,10 @@
 #include <type_traits>
 
 #include "common/bus/codec/payload.hpp"
+#include "common/bus/fastdds/portable_type.hpp"
 #include "common/bus/topics.hpp"
-#include "idl/etiPubSubTypes.h"
 
 namespace eti::bus {
-
-using eprosima::fastrtps::rtps::SerializedPayload_t;
 
 /// True when every sequence keeps its bound in eti.idl and every enumerator is valid, in a message or any
 /// part of it. The generated code checks neither.
@@ -43,23 +41,23 @@ template <class Part>
 /// The generated type, hardened against untrusted input: deserialising any sample neither throws nor
 /// allocates more than a constant times its own size.
 template <class Generated>
-class WireType : public Generated {
+class WireType : public PortableType<Generated> {
   public:
-    using Message = typename Generated::type;
+    using Base = PortableType<Generated>;
+    using Message = typename Base::Message;
 
-    bool serialize(void* data, SerializedPayload_t* payload) override {
+    bool write(const void* data, rtps::SerializedPayload_t& payload) override {
         try {
-            return Generated::serialize(data, payload);
+            return Base::write(data, payload);
         } catch (const std::exception&) {
             return false;
         }
     }
 
-    bool deserialize(SerializedPayload_t* payload, void* data) override {
+    bool read(rtps::SerializedPayload_t& payload, void* data) override {
         try {
-            Payload walked(payload->data, payload->length);
-            return whole(walked, static_cast<const Message*>(nullptr)) &&
-                   Generated::deserialize(payload, data);
+            Payload walked(payload.data, payload.length);
+            return whole(walked, static_cast<const Message*>(nullptr)) && Base::read(payload, data);
         } catch (const std::exception&) {
             return false;
         }
@@ -67,9 +65,9 @@ class WireType : public Generated {
 
     /// The generated code computes keys in a buffer shared by all readers and writers of the participant, on
     /// all their threads.
-    bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool force_md5) override {
+    bool key_of(const void* data, rtps::InstanceHandle_t& handle, bool force_md5) override {
         const std::lock_guard lock(key_mutex_);
-        return Generated::getKey(data, handle, force_md5);
+        return Base::key_of(data, handle, force_md5);
     }
 
   private:

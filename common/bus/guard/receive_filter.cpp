@@ -2,13 +2,6 @@
 // Copyright the NeoETI authors
 #include "common/bus/guard/receive_filter.hpp"
 
-#include <fastdds/rtps/network/SenderResource.h>
-#include <fastdds/rtps/transport/ChainingTransport.h>
-#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/UDPv6TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <atomic>
@@ -17,6 +10,7 @@
 #include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/fastdds/forwarding_transport.hpp"
 #include "common/bus/guard/fragment_guard.hpp"
 #include "common/bus/guard/rtps_message.hpp"
 #include "common/bus/guard/sequence_number_guard.hpp"
@@ -25,9 +19,6 @@
 #include "common/process/watchdog.hpp"
 
 namespace eti::bus {
-
-namespace transport = eprosima::fastdds::rtps;
-namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
@@ -111,18 +102,12 @@ void log_admission_changes(Admission& admission) {
     }
 }
 
-class ReceiveFilter final : public transport::ChainingTransport {
+class ReceiveFilter final : public ForwardingTransport {
   public:
     ReceiveFilter(const std::shared_ptr<transport::TransportDescriptorInterface>& below, Questions ask)
-        : ChainingTransport(Chain(below)), below_(below), ask_(std::move(ask)) {}
+        : ForwardingTransport(Chain(below)), below_(below), ask_(std::move(ask)) {}
 
     transport::TransportDescriptorInterface* get_configuration() override { return below_.get(); }
-
-    bool send(rtps::SenderResource* sender, const rtps::octet* buffer, std::uint32_t size,
-              rtps::LocatorsIterator* first, rtps::LocatorsIterator* end,
-              const std::chrono::steady_clock::time_point& limit) override {
-        return sender->send(buffer, size, first, end, limit);
-    }
 
     void receive(transport::TransportReceiverInterface* next, const rtps::octet* buffer, std::uint32_t size,
                  const rtps::Locator_t& local, const rtps::Locator_t& remote) override {

@@ -2,13 +2,12 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
-
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "common/bus/fastdds/names.hpp"
 #include "common/bus/guard/admission.hpp"
 
 namespace eti::bus {
@@ -22,7 +21,7 @@ namespace eti::bus {
 /// addresses beyond this machine. When the library does not return from a datagram for `watchdog_timeout`,
 /// the program reports that and ends at once with status `exit_watchdog`.
 void install_receive_filter(
-    std::vector<std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>>& transports,
+    std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
     std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission, const std::string& profile,
     bool this_machine_only);
 

@@ -8,7 +8,6 @@
 namespace eti::bus {
 
 namespace fs = std::filesystem;
-namespace dds = eprosima::fastdds::dds;
 
 void apply_identity(const Options& options, dds::DomainParticipantQos& qos,
                     std::vector<std::string>& warnings) {

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/fastdds/names.hpp"
 #include "common/bus/security/identity_check.hpp"
 
 namespace eti::bus {
 
 /// Enables authentication in both directions and encryption. Does nothing without Options::identity. Throws
 /// BusError with the faults that check_identity() finds.
-void apply_identity(const Options& options, eprosima::fastdds::dds::DomainParticipantQos& qos,
+void apply_identity(const Options& options, dds::DomainParticipantQos& qos,
                     std::vector<std::string>& warnings);
 
 /// Why the library created no reader or writer, and the remedy.

@@ -21,8 +21,8 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float longest_tool = 1.0f;  // [m]; a longer one is a corrupt message
 
 /// A name as a fixed-size array; a test checks that the names in this program's tables fit.
-template <std::size_t size>
-void put(std::string_view text, eprosima::fastrtps::fixed_string<size>& to) {
+template <class FixedString>
+void put(std::string_view text, FixedString& to) {
     to = std::string(text);
 }
 

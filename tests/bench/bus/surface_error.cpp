@@ -2,20 +2,21 @@
 // Copyright the NeoETI authors
 #include "tests/bench/bus/surface_error.hpp"
 
-#include <fastcdr/Cdr.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <map>
 #include <stdexcept>
 
+#include "common/bus/codec/wire.hpp"
 #include "common/process/files/atomic_file_writer.hpp"
 #include "tests/bench/bus/percentiles.hpp"
 
 namespace eti::bench {
 
 namespace {
+
+using ChunkType = bus::WireType<msg::DeformationStatePubSubType>;
 
 // Steps of simulation time after which both have every frame: a whole refresh of either topic, 45 states of
 // up to 6 steps, and as much again for lost ones.
@@ -59,13 +60,12 @@ std::map<std::uint32_t, std::size_t> by_state(const Chunks& chunks, std::uint32_
 void save_chunks(const std::filesystem::path& file, const Chunks& chunks) {
     AtomicFileWriter unfinished(file);
     std::ofstream out(unfinished.path(), std::ios::binary);
+    ChunkType type;
     for (const msg::DeformationState& chunk : chunks) {
-        eprosima::fastcdr::FastBuffer buffer;
-        eprosima::fastcdr::Cdr cdr(buffer);
-        chunk.serialize(cdr);
-        const auto size = static_cast<std::uint32_t>(cdr.getSerializedDataLength());
-        out.write(reinterpret_cast<const char*>(&size), sizeof size);
-        out.write(cdr.getBufferPointer(), size);
+        bus::rtps::SerializedPayload_t payload(type.size_of(&chunk));
+        (void)type.write(&chunk, payload);
+        out.write(reinterpret_cast<const char*>(&payload.length), sizeof payload.length);
+        out.write(reinterpret_cast<const char*>(payload.data), payload.length);
     }
     out.close();
     if (!out) {
@@ -77,15 +77,16 @@ void save_chunks(const std::filesystem::path& file, const Chunks& chunks) {
 Chunks load_chunks(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     Chunks chunks;
-    std::vector<char> bytes;
+    ChunkType type;
     for (std::uint32_t size = 0; in.read(reinterpret_cast<char*>(&size), sizeof size);) {
-        bytes.resize(size);
-        if (!in.read(bytes.data(), size)) {
+        bus::rtps::SerializedPayload_t payload(size);
+        if (!in.read(reinterpret_cast<char*>(payload.data), size)) {
             throw std::runtime_error(file.string() + ": ends within a message");
         }
-        eprosima::fastcdr::FastBuffer buffer(bytes.data(), bytes.size());
-        eprosima::fastcdr::Cdr cdr(buffer);
-        chunks.emplace_back().deserialize(cdr);
+        payload.length = size;
+        if (!type.read(payload, &chunks.emplace_back())) {
+            throw std::runtime_error(file.string() + ": a message is malformed");
+        }
     }
     return chunks;
 }

@@ -3,6 +3,7 @@
 """The Debian packages: their contents, dependencies, and that the server runs from them."""
 
 import json
+import platform
 import re
 import shutil
 import subprocess
@@ -15,6 +16,15 @@ from support import ROOT, Case
 # Programs that run scripts of this tree.
 IN_TREE = {"eti-bench-bus"}
 BUILD_VERSION = re.search(r"VERSION (\S+) DESC", (ROOT / "CMakeLists.txt").read_text()).group(1)
+# Libraries whose package is named after their version, by release.
+LIBRARIES = {
+    "bookworm": {"server": ["libfastrtps2.9", "libbullet3.24", "libhdf5-103-1", "libyaml-cpp0.7"],
+                 "client": ["libfastrtps2.9", "libopencv-videoio406"], "devices": ["libfastrtps2.9"],
+                 "tools": ["libgdcm3.0", "libhdf5-103-1"]},
+    "trixie": {"server": ["libfastdds3.1", "libbullet3.24t64", "libhdf5-310", "libyaml-cpp0.8"],
+               "client": ["libfastdds3.1", "libopencv-videoio410"], "devices": ["libfastdds3.1"],
+               "tools": ["libgdcm3.0t64", "libhdf5-310"]},
+}[platform.freedesktop_os_release()["VERSION_CODENAME"]]
 
 
 class Packages(Case):
@@ -66,11 +76,10 @@ class Packages(Case):
             self.assertEqual(field(file, "Architecture") == "all", name[7:] not in COMPILED, name)
             self.assertLess(len(field(file, "Description").splitlines()[0]), 80)
         for package, needed in {
-            "neoeti-server": ["libfastrtps2.9", "libbullet3.24", "libhdf5-103-1", "libtbb12", "libyaml-cpp0.7"],
-            "neoeti-client": ["libfastrtps2.9", "libepoxy0", "libgl1-mesa-dri", "libegl1", "libopencv-videoio406",
-                              "libopenxr-loader1"],
-            "neoeti-devices": ["libfastrtps2.9", "libglfw3"],
-            "neoeti-tools": ["libgdcm3.0", "libhdf5-103-1"],
+            "neoeti-server": [*LIBRARIES["server"], "libtbb12"],
+            "neoeti-client": [*LIBRARIES["client"], "libepoxy0", "libgl1-mesa-dri", "libegl1", "libopenxr-loader1"],
+            "neoeti-devices": [*LIBRARIES["devices"], "libglfw3"],
+            "neoeti-tools": LIBRARIES["tools"],
             "neoeti": [name for name in NAMES if name not in ("neoeti", "neoeti-doc")] + ["python3"],
         }.items():
             depends = {part.split()[0] for part in field(self.packages[package], "Depends").split(", ")}

@@ -10,6 +10,7 @@ another reason, and are missing elsewhere. ETI_BUILD names the build folder.
 
 import ast
 import os
+import platform
 import re
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = Path(os.environ.get("ETI_BUILD", ROOT / "build/release"))
+RELEASE = platform.freedesktop_os_release().get("VERSION_CODENAME", "")
 SERVER, PROGRAMS = ("build",), ("build", "client")
 TESTS = (*PROGRAMS, "test", "figures", "lab", "security")
 
@@ -76,8 +78,9 @@ def closure(lists):
     packages, provided = installed()
     pending = [name for name, (bare, _) in packages.items() if bare]
     for name in lists:
-        text = (ROOT / f"deploy/packages/{name}.txt").read_text()
-        pending += re.sub(r"#.*", "", text).split()
+        text = re.sub(r"#.*", "", (ROOT / f"deploy/packages/{name}.txt").read_text())
+        pending += [package for package, release in re.findall(r"^(\S+)(?:[ \t]+\[(\w+)\])?", text, re.MULTILINE)
+                    if release in ("", RELEASE)]
     found = set()
     while pending:
         name = pending.pop()

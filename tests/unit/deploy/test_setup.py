@@ -29,8 +29,14 @@ class Setup(unittest.TestCase):
             (self.bin / tool).symlink_to(shutil.which(tool))
         self.wanted = self.run_setup("--list").stdout.split()
 
-    def run_setup(self, *arguments):
-        return subprocess.run(["bash", self.setup, *arguments], env={"PATH": str(self.bin)}, capture_output=True, text=True)
+    def run_setup(self, *arguments, release="bookworm", **environment):
+        return subprocess.run(["bash", self.setup, *arguments], capture_output=True, text=True,
+                              env={"PATH": str(self.bin), "ETI_OS_RELEASE": str(self.os_release(release)), **environment})
+
+    def os_release(self, codename):
+        file = Path(self.folder.name, codename)
+        file.write_text(f'PRETTY_NAME="A system named {codename}"\nVERSION_CODENAME={codename}\n')
+        return file
 
     def program(self, name, body):
         file = self.bin / name
@@ -50,6 +56,24 @@ class Setup(unittest.TestCase):
         self.assertEqual(len(self.wanted), len(set(self.wanted)))
         for name in self.wanted:
             self.assertRegex(name, r"^[a-z0-9][a-z0-9+.-]+$")
+
+    def test_each_release_has_its_own_names(self):
+        names = {release: set(self.run_setup("--list", release=release).stdout.split())
+                 for release in ("bookworm", "trixie")}
+        self.assertEqual(names["bookworm"] - names["trixie"], {"libfastrtps-dev", "libddsc0debian"})
+        self.assertEqual(names["trixie"] - names["bookworm"], {"libfastdds-dev", "libddsc0t64"})
+
+    def test_other_release_is_refused_with_remedy(self):
+        self.apt([])
+        done = self.run_setup(release="noble")
+        self.assertEqual(done.returncode, 1)
+        for part in ("A system named noble", "Debian 12 (bookworm)", "Debian 13 (trixie)", "ETI_RELEASE=trixie"):
+            self.assertIn(part, done.stderr)
+        self.assertEqual(self.calls.read_text(), "", "nothing is installed")
+
+    def test_names_of_a_release_can_be_requested(self):
+        asked = self.run_setup("--list", release="noble", ETI_RELEASE="trixie").stdout
+        self.assertEqual(asked, self.run_setup("--list", release="trixie").stdout)
 
     def test_server_list_has_no_graphics(self):
         server = (ROOT / "deploy/packages/build.txt").read_text()
@@ -77,7 +101,7 @@ class Setup(unittest.TestCase):
         done = self.run_setup()
         self.assertEqual(done.returncode, 3)
         self.assertIn("no apt", done.stderr)
-        self.assertLessEqual(set(self.wanted), set(done.stderr.split()))
+        self.assertLessEqual(set(self.run_setup("--list", release="trixie").stdout.split()), set(done.stderr.split()))
 
     def test_unreachable_mirror_is_reported(self):
         self.apt(self.wanted[1:], "echo 'Could not resolve host' >&2; exit 100")

@@ -69,6 +69,12 @@ LIBRARIES = (
     (re.compile(r"CLI/"), ("common/process/command_line.cpp",), "CLI11"),
 )
 
+# What differs between the versions of a library is written once.
+ONE_PLACE = (
+    (re.compile(r"ETI_FASTDDS|eprosima::fastrtps|eprosima::fastcdr|<fastrtps/|<fastdds/[^>]*\.h>"), "common/bus/fastdds",
+     "version of Fast DDS"),
+)
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 SPDX = ("SPDX-License-Identifier: Apache-2.0", "Copyright the NeoETI authors")
 C_SOURCES = {".hpp", ".cpp", ".h", ".c"}
@@ -162,6 +168,9 @@ def check_file(path, lines, forbidden):
             yield number, f"says '{match.group(0)}'; finish the work, or say what is the case"
         if re.search(r"\bDISABLED_\w", line):
             yield number, "switches a test off; mend the test or remove it"
+        for pattern, home, label in ONE_PLACE:
+            if Path(path).suffix in C_SOURCES and not inside(path, home) and pattern.search(line):
+                yield number, f"depends on the {label}; what differs stays in {home}"
         if Path(path).suffix in C_SOURCES and (text := include_violation(path, line)):
             yield number, text
 

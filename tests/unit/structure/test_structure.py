@@ -41,7 +41,7 @@ class Includes(unittest.TestCase):
     def test_allowed_includes_pass(self):
         for path, target in (
             ("common/bus/a.cpp", '"common/math/transform.hpp"'),
-            ("common/bus/a.cpp", '"idl/eti.h"'),
+            ("common/bus/a.cpp", '"idl/eti_wire.hpp"'),
             ("common/bus/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
             ("server/scene/a.cpp", '"server/pbd/solver.hpp"'),
             ("server/app/a.cpp", '"common/bus/bus.hpp"'),
@@ -68,7 +68,7 @@ class Includes(unittest.TestCase):
             ("server/scene/a.cpp", '"server/patient/newborn/build/build.hpp"'),
             ("server/app/a.cpp", '"server/patient/imaging/read.hpp"'),
             ("server/patient/model/a.cpp", '"server/patient/newborn/build/build.hpp"'),
-            ("server/scene/a.cpp", '"idl/eti.h"'),
+            ("server/scene/a.cpp", '"idl/eti_wire.hpp"'),
             ("server/metrics/a.cpp", '"common/bus/topics.hpp"'),
             ("server/app/a.cpp", '"client/view/view.hpp"'),
             ("server/app/a.cpp", "<fastdds/dds/domain/DomainParticipant.hpp>"),
@@ -91,6 +91,14 @@ class Includes(unittest.TestCase):
                 found = violations(including(path, target))
                 self.assertEqual(len(found), 1, found)
                 self.assertTrue(found[0].startswith(f"{path}:3: "), found)
+
+    def test_library_versions_are_known_in_one_place(self):
+        for line in ("#if ETI_FASTDDS >= 3", "#include <fastrtps/config.h>", "using eprosima::fastrtps::Duration_t;"):
+            with self.subTest(line=line):
+                self.assertEqual(violations({"common/bus/fastdds/a.cpp": f"{HEADER}{line}\n"}), [])
+                found = violations({"common/bus/a.cpp": f"{HEADER}{line}\n"})
+                self.assertEqual(found, ["common/bus/a.cpp:3: depends on the version of Fast DDS; what differs stays in "
+                                         "common/bus/fastdds"])
 
     def test_circular_folder_includes_are_detected(self):
         found = violations(including("common/mesh/a.cpp", '"common/model/b.hpp"')

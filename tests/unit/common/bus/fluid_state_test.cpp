@@ -52,7 +52,7 @@ TEST(FluidState, EachChunkFitsADatagramAndStandsAlone) {
     for (const std::size_t chunk : {std::size_t{2}, std::size_t{0}}) {
         msg::FluidState message;
         encode_fluid_chunk(sample.liquid(), chunk, message);
-        EXPECT_LE(WireType<msg::FluidStatePubSubType>().getSerializedSizeProvider(&message)(), 1300u);
+        EXPECT_LE(WireType<msg::FluidStatePubSubType>().size_of(&message), 1300u);
         std::vector<Vec3f> alone;
         ASSERT_TRUE(decode_fluid_chunk(message, farthest_particle, alone));
         ASSERT_EQ(alone.size(), chunk == 2 ? 500 - 2 * fluid_chunk_particles : fluid_chunk_particles);

@@ -58,7 +58,7 @@ template <class Message>
 std::size_t wire_bytes(WireType<Message> type, typename WireType<Message>::Message& message) {
     const std::vector<Vec3f> positions = some(chunk_positions, Vec3f::Constant(0.1f));
     encode_positions(box_around(positions), positions, message);
-    return type.getSerializedSizeProvider(&message)();
+    return type.size_of(&message);
 }
 
 TEST(QuantizedPositions, AFullChunkOfEachMessageFitsADatagram) {

@@ -35,8 +35,8 @@ std::vector<std::string> transport_files_of(pid_t process) {
          std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/fd")) {
         const std::filesystem::path file = std::filesystem::read_symlink(entry.path(), closed);
         const std::string name = file.filename().string();
-        if (!closed && file.parent_path() == "/dev/shm" && name.starts_with("fastrtps_") &&
-            name.ends_with("_el")) {
+        if (!closed && file.parent_path() == "/dev/shm" && name.ends_with("_el") &&
+            (name.starts_with("fastrtps_") || name.starts_with("fastdds_"))) {
             names.push_back(name.substr(0, name.size() - 3));
         }
     }

@@ -15,14 +15,14 @@
 namespace eti::bus {
 namespace {
 
-using eprosima::fastrtps::rtps::SerializedPayload_t;
+using rtps::SerializedPayload_t;
 
 /// The serialised bytes of `message`.
 template <class Type>
 std::vector<std::uint8_t> bytes_of(typename Type::Message message) {
     Type type;
-    SerializedPayload_t payload(type.getSerializedSizeProvider(&message)());
-    EXPECT_TRUE(type.serialize(&message, &payload));
+    SerializedPayload_t payload(type.size_of(&message));
+    EXPECT_TRUE(type.write(&message, payload));
     return {payload.data, payload.data + payload.length};
 }
 
@@ -33,7 +33,7 @@ bool reads(const std::vector<std::uint8_t>& bytes) {
     SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size()));
     std::ranges::copy(bytes, payload.data);
     payload.length = static_cast<std::uint32_t>(bytes.size());
-    return type.deserialize(&payload, &message);
+    return type.read(payload, &message);
 }
 
 template <class Generated>
@@ -123,21 +123,19 @@ TEST(MalformedBounds, OverlongSequencesAreRefused) {
 }
 
 /// Writes bytes as they are under the name of another type: what a hostile or older program may send.
-class RawType : public msg::SessionStatusPubSubType {
+class RawType : public PortableType<msg::SessionStatusPubSubType> {
   public:
-    bool serialize(void* data, SerializedPayload_t* payload) override {
-        const auto& bytes = *static_cast<std::vector<std::uint8_t>*>(data);
-        std::memcpy(payload->data, bytes.data(), bytes.size());
-        payload->length = static_cast<std::uint32_t>(bytes.size());
+    bool write(const void* data, SerializedPayload_t& payload) override {
+        const auto& bytes = *static_cast<const std::vector<std::uint8_t>*>(data);
+        std::memcpy(payload.data, bytes.data(), bytes.size());
+        payload.length = static_cast<std::uint32_t>(bytes.size());
         return true;
     }
-    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-        return [data] {
-            return static_cast<std::uint32_t>(static_cast<std::vector<std::uint8_t>*>(data)->size());
-        };
+    std::uint32_t size_of(const void* data) override {
+        return static_cast<std::uint32_t>(static_cast<const std::vector<std::uint8_t>*>(data)->size());
     }
-    bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
-        handle->value[0] = 1;
+    bool key_of(const void*, rtps::InstanceHandle_t& handle, bool) override {
+        handle.value[0] = 1;
         return true;
     }
 };
@@ -151,9 +149,9 @@ TEST(MalformedSample, IsDroppedAndNextValidSampleIsRead) {
     qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
     qos.history().depth = 100;
     qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
-    qos.liveliness().lease_duration = eprosima::fastrtps::Duration_t(0.3L);
-    qos.liveliness().announcement_period = eprosima::fastrtps::Duration_t(0.1L);
-    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+    qos.liveliness().lease_duration = Duration(0.3L);
+    qos.liveliness().announcement_period = Duration(0.1L);
+    qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
     qos.data_sharing().off();
     auto* writer = hostile.publisher->create_datawriter(hostile.topic(topics::session_status.name, raw), qos);
     ASSERT_NE(writer, nullptr);
@@ -169,13 +167,13 @@ TEST(MalformedSample, IsDroppedAndNextValidSampleIsRead) {
         auto bytes = good;
         bytes.resize(8 + random.bits() % (good.size() - 16));
         bytes[random.bits() % bytes.size()] = static_cast<std::uint8_t>(random.bits());
-        writer->write(&bytes);
+        EXPECT_TRUE(write_sample(*writer, &bytes));
         EXPECT_FALSE(subscriber.take(received));
     }
     std::this_thread::sleep_for(100ms);
     EXPECT_FALSE(subscriber.take(received));
     auto last = good;
-    ASSERT_TRUE(writer->write(&last));
+    ASSERT_TRUE(write_sample(*writer, &last));
     EXPECT_TRUE(eventually([&] { return subscriber.take(received); }));
     EXPECT_TRUE(received == example<msg::SessionStatus>());
     hostile.publisher->delete_datawriter(writer);
