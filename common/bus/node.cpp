@@ -285,7 +285,7 @@ bool Participant::in_session(const std::vector<std::string>& partitions) const {
 }
 
 void Participant::on_writer(const DiscoveredWriter& found) {
-    if (found.guid.guidPrefix == participant->guid().guidPrefix) {
+    if (found.own) {
         // The library also reports its own participant, and so the port that it found free.
         const std::lock_guard lock(peers_mutex_);
         own_locators_ = found.unicast_locators;

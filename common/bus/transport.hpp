@@ -38,7 +38,7 @@ inline constexpr std::uint32_t max_secured_datagram_bytes = 8192;  // [bytes]
 /// multicast.
 [[nodiscard]] std::optional<rtps::Locator_t> multicast_locator(const Options& options, std::size_t topic);
 
-/// Discovery settings in terms of the command line: "this machine alone" or "--peer a, --peer b".
+/// Discovery settings in terms of the command line: "this machine only" or "--peer a, --peer b".
 [[nodiscard]] std::string reach(const Options& options);
 
 }  // namespace eti::bus

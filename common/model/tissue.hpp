@@ -46,9 +46,9 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
 
 /// Soft-tissue solver.
 enum class TissueMethod : std::uint8_t {
-    clusters,  ///< shape matching with compliance throughout
-    implicit,  ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load, solved to
-               ///< convergence once per step; clusters elsewhere
+    clusters,   ///< shape matching with compliance throughout
+    implicit,   ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load, solved to
+                ///< convergence once per step; clusters elsewhere
     hexahedra,  ///< tongue and epiglottis as one implicit mesh of 8-node hexahedra
 };
 inline constexpr std::array<std::string_view, 3> tissue_method_names = {"clusters", "implicit", "hexahedra"};

@@ -24,7 +24,8 @@ TissueMethod tissue_method_of(YamlMap& physics, TissueMethod fallback) {
         "tissue_method", static_cast<std::size_t>(fallback), names,
         "How soft tissue is computed. `implicit`: the tongue by neo-Hookean tetrahedra with a converged "
         "implicit step, all else by shape matching. `clusters`: everything by shape matching, which lets the "
-        "tongue be squeezed. `hexahedra`: tongue and epiglottis as one implicit mesh of nearly incompressible "
+        "tongue be squeezed. `hexahedra`: tongue and epiglottis as one implicit mesh of nearly "
+        "incompressible "
         "hexahedra (under test). `tetrahedra`, an XPBD tongue of earlier versions, is read as `implicit`");
     if (named < tissue_method_names.size()) {
         return static_cast<TissueMethod>(named);

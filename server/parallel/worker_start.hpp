@@ -4,6 +4,8 @@
 
 #include <tbb/task_scheduler_observer.h>
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <utility>
 
@@ -25,15 +27,18 @@ class WorkerStart : private tbb::task_scheduler_observer {
 
   private:
     void on_scheduler_entry(bool is_worker) override {
-        thread_local const void* started_by = nullptr;
-        if (is_worker && started_by != this) {
-            started_by = this;
+        // By number: a later observer may lie at the same address.
+        thread_local std::uint64_t started_by = 0;
+        if (is_worker && started_by != number_) {
+            started_by = number_;
             tsan_acquire_work();
             start_();
         }
     }
 
     std::function<void()> start_;
+    static inline std::atomic<std::uint64_t> made_{0};
+    const std::uint64_t number_ = ++made_;
 };
 
 }  // namespace eti::parallel

@@ -30,10 +30,12 @@ constexpr float lost_memory = 0.8f;
 constexpr float normal_inertia = 4.0f;
 // Damping of the normal displacement, in contact stiffnesses.
 constexpr float normal_damping = 4.0f;
-constexpr float grid_spacing = 1e-3f;    // [m]
-constexpr float pair_margin = 0.75e-3f;  // [m], by which pairs may approach before they are collected anew
-constexpr float cell_width = 3e-3f;      // [m], of the broad phase
-constexpr float least_volume = 0.05f;    // of an element's volume; below it has no inverse worth using
+constexpr float grid_spacing = 1e-3f;       // [m]
+constexpr float pair_margin = 0.75e-3f;     // [m], by which pairs may approach before they are collected anew
+constexpr std::size_t expected_pairs = 32;  // per point
+constexpr float cell_width = 3e-3f;         // [m], of the broad phase
+constexpr int most_cells = 64;              // along an axis; farther points share the last cell
+constexpr float least_volume = 0.05f;       // of an element's volume; below it has no inverse worth using
 
 constexpr std::array<std::array<std::size_t, 3>, 4> faces = {{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 
@@ -61,7 +63,11 @@ void SelfContactFinder::configure(const Description& description) {
             centre += 0.25f * description.rest[i];
             used[i] = true;
         }
-        elements_.push_back({corner, description.rest[corner[0]], centre, edges, 1.0f / determinant});
+        float radius = 0.0f;
+        for (const std::uint32_t i : corner) {
+            radius = std::max(radius, (description.rest[i] - centre).norm());
+        }
+        elements_.push_back({corner, description.rest[corner[0]], centre, edges, 1.0f / determinant, radius});
     }
     for (std::uint32_t i = 0; i < description.rest.size(); ++i) {
         if (used[i] && description.free[i]) {
@@ -97,13 +103,20 @@ void SelfContactFinder::configure(const Description& description) {
     cofactor_.assign(description.rest.size(), Eigen::Matrix3f::Zero());
     cofactor_call_.assign(description.rest.size(), 0);
     build_distance(description);
+    // So that a step does not allocate.
+    seen_.reserve(used_.size());
+    cell_.reserve(points_.size());
+    in_cell_.reserve(points_.size());
+    point_of_contact_.reserve(points_.size());
+    cell_start_.reserve(std::size_t{most_cells} * most_cells * most_cells + 2);
+    pairs_.reserve(expected_pairs * points_.size());
     reset();
 }
 
 void SelfContactFinder::reset() {
     seen_.clear();
     pairs_.clear();
-    who_.clear();
+    point_of_contact_.clear();
     memory_.assign(points_.size(), {});
     hits_.assign(points_.size(), {});
 }
@@ -147,6 +160,10 @@ void SelfContactFinder::build_distance(const Description& description) {
             t.radius = std::max(t.radius, (x - t.centre).norm());
         }
         triangles.push_back(t);
+    }
+    if (std::ranges::none_of(triangles, &Triangle::free)) {
+        points_.clear();  // nothing can get in, and there is no way out
+        return;
     }
     Eigen::AlignedBox3f box;
     for (const Element& e : elements_) {
@@ -216,14 +233,26 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
     pairs_.clear();
     Eigen::AlignedBox3f box;
     for (const Point& point : points_) {
-        box.extend(particles.predicted[point.particle]);
+        if (particles.predicted[point.particle].allFinite()) {
+            box.extend(particles.predicted[point.particle]);
+        }
     }
-    const Eigen::Vector3i size = (box.sizes() / cell_width).cast<int>() + Eigen::Vector3i::Ones();
+    if (box.isEmpty()) {
+        return;
+    }
+    const Eigen::Vector3i size =
+        (box.sizes() / cell_width).cwiseMin(most_cells - 1.0f).cast<int>() + Eigen::Vector3i::Ones();
     const auto index_of = [&](const Eigen::Vector3i& c) {
         return static_cast<std::uint32_t>(c.x() + size.x() * (c.y() + size.y() * c.z()));
     };
     const auto cell_of = [&](const Vec3f& x) -> Eigen::Vector3i {
-        return ((x - box.min()) / cell_width).cast<int>();
+        Eigen::Vector3i cell;
+        for (int axis = 0; axis < 3; ++axis) {
+            // In this order a NaN becomes zero.
+            const float at = std::max(0.0f, (x[axis] - box.min()[axis]) / cell_width);
+            cell[axis] = static_cast<int>(std::min(at, static_cast<float>(size[axis] - 1)));
+        }
+        return cell;
     };
     cell_.resize(points_.size());
     in_cell_.resize(points_.size());
@@ -241,7 +270,6 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
     }
     cell_start_.erase(cell_start_.begin());
     cell_start_.push_back(static_cast<std::uint32_t>(points_.size()));
-    constexpr float near = own_neighbourhood - 1e-3f;
     for (std::uint32_t t = 0; t < elements_.size(); ++t) {
         Eigen::AlignedBox3f around;
         for (const std::uint32_t i : elements_[t].corner) {
@@ -261,7 +289,8 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
                 const std::uint32_t end = cell_start_[index_of({high.x(), y, z}) + 1];
                 for (std::uint32_t n = first; n < end; ++n) {
                     const Point& point = points_[in_cell_[n]];
-                    if (point.own && (point.rest - elements_[t].centre).squaredNorm() < near * near) {
+                    const Vec3f from_centre = point.rest - elements_[t].centre;
+                    if (point.own && from_centre.norm() + elements_[t].radius < own_neighbourhood) {
                         continue;
                     }
                     if (around.contains(particles.predicted[point.particle])) {
@@ -351,15 +380,19 @@ void SelfContactFinder::test_pairs(const pbd::Particles& particles) {
 }
 
 void SelfContactFinder::find(const pbd::Particles& particles, std::vector<pbd::MeshContact>& contacts) {
+    if (points_.empty()) {
+        contacts.clear();
+        return;
+    }
     for (std::size_t n = 0; n < contacts.size(); ++n) {
-        memory_[who_[n]].contact.force = contacts[n].force;
+        memory_[point_of_contact_[n]].contact.force = contacts[n].force;
     }
     if (stale(particles)) {
         collect_pairs(particles);
     }
     test_pairs(particles);
     contacts.clear();
-    who_.clear();
+    point_of_contact_.clear();
     for (std::uint32_t k = 0; k < points_.size(); ++k) {
         const Hit& hit = hits_[k];
         Memory& last = memory_[k];
@@ -392,7 +425,7 @@ void SelfContactFinder::find(const pbd::Particles& particles, std::vector<pbd::M
             last = {hit.place, contact, true};
         }
         contacts.push_back(last.contact);
-        who_.push_back(k);
+        point_of_contact_.push_back(k);
     }
 }
 

@@ -46,6 +46,7 @@ class SelfContactFinder {
         Vec3f origin, centre;  // [m], at rest
         Eigen::Matrix3f edges;
         float inverse_determinant;
+        float radius;  // [m] at rest, from the centre to the farthest corner
     };
     struct Point {
         std::uint32_t particle;
@@ -83,10 +84,10 @@ class SelfContactFinder {
     std::vector<Vec3f> seen_;                                 // [used_][m], when pairs were collected
     std::vector<std::array<std::uint32_t, 2>> pairs_;         // element, point; by element
     std::vector<std::uint32_t> cell_, cell_start_, in_cell_;
-    std::vector<Hit> hits_;                  // [points]
-    std::vector<Memory> memory_;             // [points]
-    std::vector<std::uint32_t> who_;         // [contacts of the last call]: point
-    std::vector<Eigen::Matrix3f> cofactor_;  // [particles]
+    std::vector<Hit> hits_;                        // [points]
+    std::vector<Memory> memory_;                   // [points]
+    std::vector<std::uint32_t> point_of_contact_;  // [contacts of the last call]: point
+    std::vector<Eigen::Matrix3f> cofactor_;        // [particles]
     std::vector<std::uint32_t> cofactor_call_;
     std::uint32_t call_ = 0;
 };

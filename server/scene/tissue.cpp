@@ -63,7 +63,7 @@ std::vector<std::uint32_t> members_about_middle(const patient::Patient& patient,
 /// Whether a point lies in a tetrahedron at rest, or at its border.
 bool lies_within(const std::vector<std::array<std::uint32_t, 4>>& solid, const std::vector<Vec3f>& rest,
                  const Vec3f& point) {
-    constexpr float border = 1e-3f;
+    constexpr float border = 1e-3f;  // barycentric
     return std::ranges::any_of(solid, [&](const auto& corner) {
         Eigen::Matrix3f edges;
         edges << rest[corner[1]] - rest[corner[0]], rest[corner[2]] - rest[corner[0]],

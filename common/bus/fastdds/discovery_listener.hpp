@@ -35,6 +35,7 @@ struct DiscoveredWriter {
     std::string topic;
     std::vector<std::string> partitions;
     std::vector<rtps::Locator_t> unicast_locators;
+    bool own = false;                                   ///< of the listening participant
     DiscoveryChange change = DiscoveryChange::changed;  ///< never lost: its participant is
 };
 
@@ -78,10 +79,10 @@ class DiscoveryListener : public dds::DomainParticipantListener {
                         change_of_participant(status, Status::DISCOVERED_PARTICIPANT,
                                               Status::REMOVED_PARTICIPANT, Status::DROPPED_PARTICIPANT)});
     }
-    void on_data_writer_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
+    void on_data_writer_discovery(dds::DomainParticipant* self, rtps::WriterDiscoveryStatus status,
                                   const rtps::PublicationBuiltinTopicData& info, bool& /*ignored*/) final {
         on_writer({info.guid, info.topic_name.to_string(), info.partition.getNames(),
-                   listed(info.remote_locators.unicast),
+                   listed(info.remote_locators.unicast), info.guid.guidPrefix == self->guid().guidPrefix,
                    change_of_writer(status, rtps::WriterDiscoveryStatus::DISCOVERED_WRITER,
                                     rtps::WriterDiscoveryStatus::REMOVED_WRITER)});
     }
@@ -89,15 +90,15 @@ class DiscoveryListener : public dds::DomainParticipantListener {
     void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& found) final {
         using Found = rtps::ParticipantDiscoveryInfo;
         const auto& info = found.info;
-        on_participant(
-            {info.m_guid.guidPrefix, info.m_participantName.to_string(), text(info.m_userData.data_vec()),
-             change_of_participant(found.status, Found::DISCOVERED_PARTICIPANT, Found::REMOVED_PARTICIPANT,
-                                   Found::DROPPED_PARTICIPANT)});
+        on_participant({info.m_guid.guidPrefix, info.m_participantName.to_string(),
+                        text(info.m_userData.data_vec()),
+                        change_of_participant(found.status, Found::DISCOVERED_PARTICIPANT,
+                                              Found::REMOVED_PARTICIPANT, Found::DROPPED_PARTICIPANT)});
     }
-    void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& found) final {
+    void on_publisher_discovery(dds::DomainParticipant* self, rtps::WriterDiscoveryInfo&& found) final {
         const auto& info = found.info;
         on_writer({info.guid(), info.topicName().to_string(), info.m_qos.m_partition.getNames(),
-                   listed(info.remote_locators().unicast),
+                   listed(info.remote_locators().unicast), info.guid().guidPrefix == self->guid().guidPrefix,
                    change_of_writer(found.status, rtps::WriterDiscoveryInfo::DISCOVERED_WRITER,
                                     rtps::WriterDiscoveryInfo::REMOVED_WRITER)});
     }

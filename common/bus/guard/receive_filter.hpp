@@ -20,10 +20,9 @@ namespace eti::bus {
 /// the kernel deliver that group's datagrams to every socket of the port, and announcements that name
 /// addresses beyond this machine. When the library does not return from a datagram for `watchdog_timeout`,
 /// the program reports that and ends at once with status `exit_watchdog`.
-void install_receive_filter(
-    std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
-    std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission, const std::string& profile,
-    bool this_machine_only);
+void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
+                            std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
+                            const std::string& profile, bool this_machine_only);
 
 /// Longer than any stall of a working session; forces are zero after 0.3 s.
 inline constexpr std::chrono::seconds watchdog_timeout{30};

@@ -506,7 +506,10 @@ std::vector<std::string> repair(const std::filesystem::path& path) {
         const bool full =
             std::filesystem::space(path.parent_path().empty() ? "." : path.parent_path(), ignored).available <
             std::filesystem::file_size(path, ignored);
-        refuse_full_disk(full ? std::strerror(ENOSPC) : error.code().message());
+        if (full || error.code() == std::errc::no_space_on_device || error.code() == std::errc::io_error ||
+            error.code() == std::errc::file_too_large) {
+            refuse_full_disk(full ? std::strerror(ENOSPC) : error.code().message());
+        }
         throw;
     }
 }

@@ -13,6 +13,7 @@ namespace eti::pbd {
 // shape's warp), Q the inverse of the mean edges at rest, M = Q Q^T and [a b c] the triple product, a cell of
 // volume V has the energy
 //     mu V/2 (sum M_uv e_u.e_v - 3 + sum K_ab q_a.q_b)                        shear
+//   + hardening mu V/4 (sum K_ab q_a.q_b)^2                                   of hourglass modes
 //   + lambda V/2 (J - gamma)^2                                                volume
 //   + kappa mu V/6 (Jx^2 + Jy^2 + Jz^2)                                       gradient of the volume.
 // Shear is mu/2 (|F|^2 - 3) integrated exactly over a parallelepiped: K = 4/3 (M11 + M22), 4/3 (M11 + M33),
@@ -343,8 +344,9 @@ struct HexahedronModes {
     }
 }
 
-/// Adds K times `from`, over these cells, to `to`. The gradient of the volume enters by its Gauss-Newton part
-/// along hourglass modes only, which keeps the matrix positive definite.
+/// Adds K times `from`, over these cells, to `to`. K lacks the derivatives of the hardening, of the pressure
+/// across edges and hourglass modes, and those of the volume's gradient beyond its Gauss-Newton part along
+/// hourglass modes, which keeps it positive definite and changes no equilibrium.
 [[gnu::always_inline]] inline void apply_hexahedra(const Hexahedra::Block* blocks,
                                                    const ImplicitMesh::HexahedronElement* elements,
                                                    std::size_t count, const float* from, float* to) {

@@ -64,10 +64,6 @@ class ImplicitMesh {
     /// `inverse_mass` [particles][1/kg]; particles with 0 follow `predicted`.
     void configure(const Description& description, const Particles& particles,
                    std::span<const float> inverse_mass);
-    void configure(const Tetrahedra::Description& tetrahedra, const Particles& particles,
-                   std::span<const float> inverse_mass) {
-        configure(Description{tetrahedra, {}}, particles, inverse_mass);
-    }
     /// As in Tetrahedra.
     void set_rest(const Particles& particles);
     /// Young's moduli [tetrahedra][Pa] and [hexahedra][Pa].

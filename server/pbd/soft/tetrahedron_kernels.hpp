@@ -12,7 +12,7 @@ namespace eti::pbd {
 
 /// Four numbers per corner, indexed as in Tetrahedra::Block.
 struct ImplicitSums {
-    float* gradient;  ///< [N]; fourth: mu V times the corner's diagonal entry of Q Q^T [N/m]
+    float* gradient;  ///< [N]; fourth: isotropic part of the diagonal block [N/m]
     float* square;    ///< [N/m], xx yy zz of lambda V H H^T
     float* mixed;     ///< [N/m], yz zx xy of the same
 };

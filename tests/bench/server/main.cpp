@@ -75,7 +75,9 @@ int main(int argc, char** argv) {
     resting.add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");
     eti::bench::MatterOptions matter;
     eti::CommandLine lift = app.add_subcommand(
-        "matter", "Volume, forces, view and rest of the tissue in one replayed lift of the blade");
+        "matter",
+        "Volume, forces, view and rest of the tissue in a replayed lift of the blade, and blocks against "
+        "independent references");
     lift.add_option("--scenario", matter.scenarios, "Scenarios by name").capture_default_str();
     lift.add_option("--method", matter.methods, "Tissue methods instead of the scenarios'");
     lift.add_option("--path", matter.path, "Poses of the blade, instead of the committed ones");
@@ -85,14 +87,14 @@ int main(int argc, char** argv) {
     lift.add_number("--substeps", matter.substeps, "Instead of the scenarios'", {0, 64});
     lift.add_number("--spacing", matter.spacing, "Spacing of particles [mm] instead of the scenarios'",
                     {0, 5});
-    lift.add_option("--blocks", matter.blocks, "Blocks against references: all, blade, bar or sphere");
+    lift.add_flag("--quick", matter.quick, "The first scenario and few blocks (two minutes)");
     lift.add_flag("--json", matter.json, "Print one JSON object");
     return eti::run_program(
         app, argc, argv,
         [&] {
             const tbb::global_control control(
                 tbb::global_control::max_allowed_parallelism,
-                threads > 0 ? static_cast<std::size_t>(threads) : usable_processors());
+                threads > 0 ? static_cast<std::size_t>(threads) : eti::usable_processors());
             if (!shard.empty()) {
                 accuracy.shard = stability.shard = sufficiency.shard = eti::bench::Shard(shard);
             }

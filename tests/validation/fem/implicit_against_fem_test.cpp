@@ -42,7 +42,8 @@ struct Block {
             p.inverse_mass[i] = held(lattice.position[i]) ? 0.0f : static_cast<float>(1.0 / mass[i]);
         }
         const std::vector<float> moduli(lattice.tetrahedra.size(), static_cast<float>(implicit_modulus));
-        mesh.configure({lattice.tetrahedra, moduli, static_cast<float>(poisson_ratio)}, p, p.inverse_mass);
+        mesh.configure({{lattice.tetrahedra, moduli, static_cast<float>(poisson_ratio)}, {}}, p,
+                       p.inverse_mass);
     }
 
     void predict(const Vec3f& gravity) {

@@ -52,7 +52,7 @@ double departure(const Eigen::Matrix3d& gradient, float poisson_ratio) {
     }
     pbd::ImplicitMesh mesh;
     const std::vector<float> moduli(body.lattice.tetrahedra.size(), patch_modulus);
-    mesh.configure({body.lattice.tetrahedra, moduli, poisson_ratio}, p, p.inverse_mass);
+    mesh.configure({{body.lattice.tetrahedra, moduli, poisson_ratio}, {}}, p, p.inverse_mass);
     constexpr float dt = 1.0f / 180.0f;
     for (int step = 0; step < 108; ++step) {
         p.predicted = p.position;

@@ -132,7 +132,7 @@ double BlockBody::settle(double seconds) {
     if (setting_.method == Method::tetrahedra) {
         tetrahedra_.configure(mesh, particles_);
     } else if (setting_.method == Method::tetrahedra_implicit) {
-        implicit_.configure(mesh, particles_, particles_.inverse_mass);
+        implicit_.configure({mesh, {}}, particles_, particles_.inverse_mass);
         implicit_.settings.iterations = setting_.iterations;
     } else if (setting_.method == Method::mass_springs) {
         springs_ = test::MassSprings(lattice_, setting_.youngs_modulus);

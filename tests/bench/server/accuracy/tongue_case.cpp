@@ -177,7 +177,7 @@ Capsule blade_at(const Tongue& tongue, double depth, double share) {
 Pressed by_implicit_mesh(const Tongue& tongue, double depth, int iterations, double youngs_modulus) {
     pbd::Particles p = particles_of(tongue);
     pbd::ImplicitMesh mesh;
-    mesh.configure(mesh_of(tongue, youngs_modulus), p, p.inverse_mass);
+    mesh.configure({mesh_of(tongue, youngs_modulus), {}}, p, p.inverse_mass);
     mesh.settings.iterations = iterations;
     std::vector<bool> meshed(p.size(), false);
     for (const std::uint32_t i : mesh.particles()) {

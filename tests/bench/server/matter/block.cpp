@@ -17,16 +17,13 @@ constexpr double block_density = 1000.0;  // [kg/m^3]
 }  // namespace
 
 Block::Block(const BlockSettings& settings) : settings_(settings) {
-    std::array<int, 3> n{};
+    std::array<int, 3>& n = count_;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         n[axis] = static_cast<int>(std::lround(settings.size[axis] / settings.cell));
     }
     const test::TetrahedralLattice lattice = test::tetrahedral_lattice(n[0], n[1], n[2], settings.cell);
     rest_ = lattice.position;
     tetrahedra_ = lattice.tetrahedra;
-    const auto at = [&](int i, int j, int k) {
-        return static_cast<std::uint32_t>((k * (n[1] + 1) + j) * (n[0] + 1) + i);
-    };
     const double share = block_density * std::pow(settings.cell, 3) / 8.0;
     std::vector<double> mass(rest_.size(), 0.0);
     for (int k = 0; k < n[2]; ++k) {
@@ -34,8 +31,9 @@ Block::Block(const BlockSettings& settings) : settings_(settings) {
             for (int i = 0; i < n[0]; ++i) {
                 std::array<std::uint32_t, 8>& cell = cells_.emplace_back();
                 for (int v = 0; v < 8; ++v) {
-                    cell[static_cast<std::size_t>(v)] = at(i + (v & 1), j + (v >> 1 & 1), k + (v >> 2 & 1));
-                    mass[cell[static_cast<std::size_t>(v)]] += share;
+                    const std::uint32_t corner = index_of(i + (v & 1), j + (v >> 1 & 1), k + (v >> 2 & 1));
+                    cell[static_cast<std::size_t>(v)] = corner;
+                    mass[corner] += share;
                 }
             }
         }
@@ -45,7 +43,6 @@ Block::Block(const BlockSettings& settings) : settings_(settings) {
         particles_.rest[i] = particles_.position[i] = particles_.predicted[i] = rest_[i].cast<float>();
         particles_.inverse_mass[i] = static_cast<float>(1.0 / mass[i]);
     }
-    load.assign(rest_.size(), Vec3d::Zero());
     scope_.capsules.fill({Vec3f::Constant(10.0f), Vec3f::Constant(10.0f), 0.0f});
     nothing_.size = {2, 2, 2};
     nothing_.value.assign(8, 1.0f);
@@ -89,14 +86,6 @@ void Block::start() {
     contacts_.configure(movers, surface);
 }
 
-void Block::move_held(const std::function<Vec3d(const Vec3d&)>& displacement) {
-    for (std::size_t i = 0; i < rest_.size(); ++i) {
-        if (particles_.inverse_mass[i] == 0.0f) {
-            particles_.predicted[i] = (rest_[i] + displacement(rest_[i])).cast<float>();
-        }
-    }
-}
-
 void Block::place_capsule(const Vec3d& a, const Vec3d& b, double radius) {
     scope_.capsules.back() = {a.cast<float>(), b.cast<float>(), static_cast<float>(radius)};
     pressed_ = true;
@@ -107,7 +96,7 @@ void Block::step() {
     const auto dt = static_cast<float>(settings_.dt);
     for (std::size_t i = 0; i < p.size(); ++i) {
         if (p.inverse_mass[i] > 0.0f) {
-            p.velocity[i] += dt * (gravity.cast<float>() + p.inverse_mass[i] * load[i].cast<float>());
+            p.velocity[i] += dt * gravity.cast<float>();
             p.predicted[i] = p.position[i];
         }
     }
@@ -142,6 +131,27 @@ int Block::settle(double slow, int most) {
         still = speed() < slow ? still + 1 : 0;
     }
     return steps;
+}
+
+Vec3d Block::displacement_at(const Vec3d& rest) const {
+    std::array<int, 3> low{};
+    Vec3d share;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const double at = rest[axis] / settings_.cell;
+        low[a] = std::clamp(static_cast<int>(std::floor(at)), 0, count_[a] - 1);
+        share[axis] = at - low[a];
+    }
+    Vec3d sum = Vec3d::Zero();
+    for (int v = 0; v < 8; ++v) {
+        double weight = 1.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            weight *= (v >> axis & 1) != 0 ? share[axis] : 1.0 - share[axis];
+        }
+        const std::uint32_t i = index_of(low[0] + (v & 1), low[1] + (v >> 1 & 1), low[2] + (v >> 2 & 1));
+        sum += weight * (particles_.position[i].cast<double>() - rest_[i]);
+    }
+    return sum;
 }
 
 Vec3d Block::contact_force() const {

@@ -32,16 +32,13 @@ class Block {
   public:
     explicit Block(const BlockSettings& settings);
 
-    /// Holds particles at rest + displacement(rest) at time [s] on; call before start().
+    /// Holds particles at rest; call before start().
     void hold(const std::function<bool(const Vec3d&)>& those);
     void start();
-    /// Displacement [m] of held particles, from the next step on.
-    void move_held(const std::function<Vec3d(const Vec3d&)>& displacement);
     /// Axis and radius of the capsule, from the next step on.
     void place_capsule(const Vec3d& a, const Vec3d& b, double radius);
 
     Vec3d gravity = Vec3d::Zero();  ///< [m/s^2]
-    std::vector<Vec3d> load;        ///< [particles][N]
     void step();
     /// Greatest speed of a particle [m/s].
     [[nodiscard]] double speed() const;
@@ -50,17 +47,22 @@ class Block {
     /// [N], of the capsule on the block.
     [[nodiscard]] Vec3d contact_force() const;
 
+    /// Displacement [m] of a point of the unloaded block, trilinear in its cell.
+    [[nodiscard]] Vec3d displacement_at(const Vec3d& rest) const;
+
     [[nodiscard]] const pbd::Particles& particles() const { return particles_; }
-    [[nodiscard]] const std::vector<std::array<std::uint32_t, 4>>& tetrahedra() const { return tetrahedra_; }
-    [[nodiscard]] const std::vector<Vec3d>& rest() const { return rest_; }
 
   private:
+    [[nodiscard]] std::uint32_t index_of(int x, int y, int z) const {
+        return static_cast<std::uint32_t>((z * (count_[1] + 1) + y) * (count_[0] + 1) + x);
+    }
+
     BlockSettings settings_;
+    std::array<int, 3> count_{};  // cells
     std::vector<Vec3d> rest_;
     std::vector<std::array<std::uint32_t, 4>> tetrahedra_;
     std::vector<std::array<std::uint32_t, 8>> cells_;
     pbd::Particles particles_;
-    std::vector<float> inverse_mass_;
     pbd::ImplicitMesh mesh_;
     scene::TongueContacts contacts_;
     Laryngoscope scope_;

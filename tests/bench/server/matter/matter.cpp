@@ -3,6 +3,7 @@
 #include "tests/bench/server/matter/matter.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +11,13 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "common/model/pace.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/metrics/attempt.hpp"
 #include "server/patient/model/tetrahedra_of.hpp"
+#include "tests/bench/server/matter/block_cases.hpp"
 #include "tests/bench/server/matter/lift_path.hpp"
 #include "tests/bench/server/matter/tissue_volume.hpp"
 
@@ -141,76 +144,114 @@ std::filesystem::path committed_path(const std::string& scenario) {
     return std::filesystem::path(__FILE__).parent_path() / (scenario + "_lift.csv");
 }
 
+Scenario scenario_of(const MatterOptions& options, const std::string& name) {
+    Scenario scenario = load_scenario(find_data_file(name, "scenarios"));
+    if (options.substeps > 0) {
+        scenario.physics.substeps = options.substeps;
+    }
+    if (options.spacing > 0.0) {
+        scenario.physics.spacing = static_cast<float>(1e-3 * options.spacing);
+    }
+    return scenario;
+}
+
+nlohmann::ordered_json row_of(const std::string& scenario, const std::string& method, const Lift& lift) {
+    return {{"scenario", scenario},
+            {"method", method},
+            {"tongue_volume_share", lift.volume.share},
+            {"tongue_doubly_covered_share", lift.volume.doubly_covered / lift.volume.occupied},
+            {"tongue_occupied_mm3", 1e9 * lift.volume.occupied},
+            {"inverted_cells", lift.volume.inverted},
+            {"crushed_cells", lift.volume.crushed},
+            {"blade_force_held_n", lift.blade_force},
+            {"tongue_force_held_n", lift.tongue_force},
+            {"epiglottis_force_held_n", lift.epiglottis_force},
+            {"blade_force_n", lift.greatest_blade},
+            {"gum_force_n", lift.greatest_gum},
+            {"tongue_force_n", lift.greatest_tongue},
+            {"epiglottis_force_n", lift.greatest_epiglottis},
+            {"view_percent", lift.view},
+            {"tremble_mm_per_s", 1e3 * lift.speed},
+            {"penetration_mm", 1e3 * lift.penetration},
+            {"from_rest_mm", 1e3 * lift.farthest},
+            {"step_ms", lift.step_ms}};
+}
+
+/// Greatest absolute value of `key` over blades at least 2 mm deep in cells of the shipped spacing.
+double greatest_error(const nlohmann::ordered_json& blocks, const std::string& key) {
+    double most = 0.0;
+    for (const auto& row : blocks) {
+        if (row.at("case") == "blade" && row.at("element") == "hexahedra" && row.at("depth_mm") > 1.9 &&
+            std::fabs(row.at("cell_mm").get<double>() - 2.0) < 1e-6) {
+            most = std::max(most, std::fabs(row.at(key).get<double>()));
+        }
+    }
+    return most;
+}
+
+void print(const nlohmann::ordered_json& rows) {
+    for (const auto& row : rows) {
+        std::string line;
+        for (const auto& [key, value] : row.items()) {
+            line += value.is_number_float()
+                        ? fmt::format("{} {:.4g}  ", key, value.get<double>())
+                        : fmt::format("{} {}  ", key,
+                                      value.is_string() ? value.get<std::string>() : value.dump());
+        }
+        std::cout << line << std::endl;
+    }
+}
+
 }  // namespace
 
 int matter(const MatterOptions& options) {
-    if (!options.blocks.empty()) {
-        return matter_blocks(options.blocks == "all" ? "" : options.blocks);
+    if (!options.record.empty()) {
+        const Scenario scenario = scenario_of(options, options.scenarios.front());
+        write_path(record_lift(scenario, app::patient_of(scenario)), options.record);
+        return 0;
     }
-    nlohmann::ordered_json out = nlohmann::ordered_json::array();
+    nlohmann::ordered_json lifts = nlohmann::ordered_json::array();
     for (const std::string& name : options.scenarios) {
-        Scenario scenario = load_scenario(find_data_file(name, "scenarios"));
-        if (options.substeps > 0) {
-            scenario.physics.substeps = options.substeps;
-        }
-        if (options.spacing > 0.0f) {
-            scenario.physics.spacing = 1e-3f * options.spacing;
-        }
+        Scenario scenario = scenario_of(options, name);
         const patient::Patient patient = app::patient_of(scenario);
-        if (!options.record.empty()) {
-            write_path(record_lift(scenario, patient), options.record);
-            return 0;
-        }
         const LiftPath path = read_path(options.path.empty() ? committed_path(name) : options.path);
         std::vector<std::string> methods = options.methods;
         if (methods.empty()) {
             methods.emplace_back(name_of(scenario.physics.tissue_method));
         }
         for (const std::string& method : methods) {
-            scenario.physics.tissue_method = static_cast<TissueMethod>(
-                std::ranges::find(tissue_method_names, method) - tissue_method_names.begin());
+            const auto* const found = std::ranges::find(tissue_method_names, method);
+            if (found == tissue_method_names.end()) {
+                throw std::runtime_error("--method: '" + method + "' is none of " +
+                                         fmt::format("{}", fmt::join(tissue_method_names, ", ")));
+            }
+            scenario.physics.tissue_method = static_cast<TissueMethod>(found - tissue_method_names.begin());
             std::ofstream trace;
             if (!options.trace.empty()) {
                 trace.open(options.trace);
                 trace << "time_s,blade_n,tongue_n,epiglottis_n,gum_n,view_percent,volume,inverted,"
                          "penetration_mm\n";
             }
-            const Lift lift = replay(scenario, patient, path, trace.is_open() ? &trace : nullptr);
-            nlohmann::ordered_json row{
-                {"scenario", name},
-                {"method", method},
-                {"tongue_volume_share", lift.volume.share},
-                {"tongue_doubly_covered_share", lift.volume.doubly_covered / lift.volume.occupied},
-                {"occupied_mm3", 1e9 * lift.volume.occupied},
-                {"inverted_cells", lift.volume.inverted},
-                {"crushed_cells", lift.volume.crushed},
-                {"blade_force_n", lift.blade_force},
-                {"tongue_force_n", lift.tongue_force},
-                {"epiglottis_force_held_n", lift.epiglottis_force},
-                {"blade_force_max_n", lift.greatest_blade},
-                {"gum_force_max_n", lift.greatest_gum},
-                {"tongue_force_max_n", lift.greatest_tongue},
-                {"epiglottis_force_n", lift.greatest_epiglottis},
-                {"view_percent", lift.view},
-                {"tremble_mm_s", 1e3 * lift.speed},
-                {"penetration_mm", 1e3 * lift.penetration},
-                {"rest_mm", 1e3 * lift.farthest},
-                {"step_ms", lift.step_ms}};
+            lifts.push_back(
+                row_of(name, method, replay(scenario, patient, path, trace.is_open() ? &trace : nullptr)));
             if (!options.json) {
-                for (const auto& [key, value] : row.items()) {
-                    std::cout << key << ' '
-                              << (value.is_number_float() ? fmt::format("{:.4g}", value.get<double>())
-                                                          : value.dump())
-                              << "  ";
-                }
-                std::cout << std::endl;
+                print(nlohmann::ordered_json::array({lifts.back()}));
             }
-            out.push_back(std::move(row));
+        }
+        if (options.quick) {
+            break;
         }
     }
-    if (options.json) {
-        std::cout << nlohmann::ordered_json{{"results", out}}.dump(2) << std::endl;
+    const nlohmann::ordered_json blocks = reference_blocks(options.quick);
+    if (!options.json) {
+        print(blocks);
+        return 0;
     }
+    nlohmann::ordered_json results = lifts.front();
+    results["reference_force_error"] = greatest_error(blocks, "error");
+    results["reference_shape_error"] = greatest_error(blocks, "shape_error");
+    std::cout << nlohmann::ordered_json{{"results", results}, {"lifts", lifts}, {"blocks", blocks}}.dump(2)
+              << std::endl;
     return 0;
 }
 

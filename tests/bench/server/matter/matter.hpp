@@ -15,15 +15,13 @@ struct MatterOptions {
     std::filesystem::path record;      ///< writes the expert's lift of the first scenario here instead
     std::filesystem::path trace;       ///< writes values over time here
     int substeps = 0;                  ///< 0: as the scenario says
-    float spacing = 0.0f;              ///< [mm], 0: as the scenario says
-    std::string blocks;                ///< runs the blocks instead
+    double spacing = 0.0;              ///< [mm], 0: as the scenario says
+    bool quick = false;                ///< the first scenario and few blocks
     bool json = false;
 };
 
-int matter_blocks(const std::string& only);
-
-/// Replays one lift of the blade in different models of the tissue, and measures volume, forces, view, rest
-/// and cost. Returns the exit status.
+/// Replays one lift of the blade in different models of the tissue and measures volume, forces, view, rest
+/// and cost; then loads blocks that have an independent reference. Returns the exit status.
 [[nodiscard]] int matter(const MatterOptions& options);
 
 }  // namespace eti::bench

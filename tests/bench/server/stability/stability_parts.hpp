@@ -57,14 +57,14 @@ inline constexpr double light_damping = 12.0;
 /// A block's settings with one pass, or one solve, per step of 1 / `rate` [s].
 [[nodiscard]] inline BodySettings with_rate(Method method, double rate,
                                             double youngs_modulus = BodySettings{}.youngs_modulus) {
-    return {.method = method,
-            .cell = 2.5e-3,
-            .substeps = 1,
-            .iterations =
-                method == Method::tetrahedra_implicit ? pbd::ImplicitMesh::Settings{}.iterations : 1,
-            .step = 1.0 / rate,
-            .youngs_modulus = youngs_modulus,
-            .damping = light_damping};
+    return {
+        .method = method,
+        .cell = 2.5e-3,
+        .substeps = 1,
+        .iterations = method == Method::tetrahedra_implicit ? pbd::ImplicitMesh::Settings{}.iterations : 1,
+        .step = 1.0 / rate,
+        .youngs_modulus = youngs_modulus,
+        .damping = light_damping};
 }
 
 // Each part adds its maps.

@@ -20,8 +20,8 @@
 namespace eti::devices {
 namespace {
 
-constexpr std::int64_t ms = 1'000'000;
-constexpr int quiet = 800, settled = 1600;  // [ms]: forces engage in free air, then contact becomes steady
+constexpr std::int64_t ns_per_ms = 1'000'000;
+constexpr int quiet = 800, engaged = 1600;  // [ms]: forces engage in free air, then contact becomes steady
 constexpr int watched = 700;                // [ms] after a gap; the return takes 250
 constexpr int window = 10;                  // [ms] over which growth is measured
 
@@ -130,22 +130,22 @@ std::vector<Wrench> felt(const Case& c, bool gap, bool controlled) {
     LoggedDevice device(c.rotates);
     const auto newest = std::make_unique<Mailbox<SceneState>>();
     HapticCycle cycle(device, *newest, settings);
-    const int resumed = settled + c.gap_ms;
+    const int resumed = engaged + c.gap_ms;
     double next_message = 0.0;
     int number = 0;
     for (int at = 1; at < resumed + watched; ++at) {
         if (static_cast<double>(at) >= next_message) {
             next_message += 1e3 / steps_per_second;
             ++number;
-            if (!gap || at < settled || at >= resumed) {
-                const int changes = gap ? settled + c.gap_ms / 2 : 0;
+            if (!gap || at < engaged || at >= resumed) {
+                const int changes = gap ? engaged + c.gap_ms / 2 : 0;
                 SceneState scene = scene_at(c, gum_at(c.gum, at, changes), at, number);
-                scene.proxy_arrived = scene.tissue_arrived = 1'000 * ms + at * ms;
+                scene.proxy_arrived = scene.tissue_arrived = 1'000 * ns_per_ms + at * ns_per_ms;
                 scene.seen.time = 1e-3 * at;
                 newest->write(scene);
             }
         }
-        (void)cycle.run(1'000 * ms + at * ms);
+        (void)cycle.run(1'000 * ns_per_ms + at * ns_per_ms);
     }
     return device.log;
 }
@@ -168,8 +168,8 @@ TEST_P(GapPromise, HoldsInEveryCycle) {
     }
     const std::vector<Wrench> log = felt(c, true, false), undisturbed = felt(c, false, false);
     ASSERT_EQ(log.size(), undisturbed.size());
-    const auto resumed = static_cast<std::size_t>(settled + c.gap_ms);
-    ASSERT_GT(log[settled - 1].force.norm(), 1.0f) << "nothing was felt before the gap";
+    const auto resumed = static_cast<std::size_t>(engaged + c.gap_ms);
+    ASSERT_GT(log[engaged - 1].force.norm(), 1.0f) << "nothing was felt before the gap";
     ASSERT_GT(log.back().force.norm(), 1.0f) << "nothing is felt after the gap";
 
     // The hand's own motion changes the force without a gap, too: between two messages by what it moves

@@ -199,7 +199,8 @@ TEST_P(SceneSleepTest, SameBitsForAnyNumberOfThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, SceneSleepTest,
-                         ::testing::Values(TissueMethod::clusters, TissueMethod::implicit));
+                         ::testing::Values(TissueMethod::clusters, TissueMethod::implicit,
+                                           TissueMethod::hexahedra));
 
 }  // namespace
 }  // namespace eti::scene

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace eti::scene {
 namespace {
 
@@ -48,6 +50,40 @@ TEST_F(EdgeUnderBlade, ContactIsFoundForAnyEdgeLength) {
 
 TEST_F(EdgeUnderBlade, EdgeBesideBladeIsIgnored) {
     EXPECT_TRUE(met(12e-3f, radius + ball + 1e-5f).empty());
+}
+
+// A triangle touches at its three Gauss points, so that each contact is borne by all three corners.
+TEST(TriangleUnderBlade, ContactPushesNoParticleAlone) {
+    pbd::Particles particles;
+    particles.resize(3);
+    particles.predicted = {Vec3f(-1e-3f, 0.0f, -1e-3f), Vec3f(1e-3f, 0.0f, -1e-3f), Vec3f(0.0f, 0.0f, 1e-3f)};
+    particles.position = particles.predicted;
+    particles.radius.assign(3, ball);
+    Laryngoscope scope;
+    scope.capsules.fill({Vec3f::Ones(), Vec3f::Ones(), 0.0f});  // a metre away
+    scope.capsules.back() = {{0.0f, 2e-3f, -20e-3f}, {0.0f, 2e-3f, 20e-3f}, radius};
+    DistanceGrid nothing;
+    nothing.size = {2, 2, 2};
+    nothing.value.assign(8, 1.0f);
+    TongueContacts contacts;
+    contacts.configure({0, 1, 2}, {.particles = {}, .edges = {}, .triangles = {{0, 1, 2}}});
+    std::vector<pbd::MeshContact> found;
+    contacts.find(particles, {scope, {}, {}}, {nothing, 1}, found);
+    ASSERT_EQ(found.size(), 3u);
+    float area = 0.0f;
+    for (const pbd::MeshContact& contact : found) {
+        ASSERT_EQ(contact.corners, 3);
+        Vec3f point = Vec3f::Zero();
+        for (std::size_t k = 0; k < 3; ++k) {
+            EXPECT_GT(contact.share[k], 0.1f);
+            point += contact.share[k] * particles.predicted[contact.particle[k]];
+        }
+        const float distance = std::hypot(point.x(), 2e-3f);
+        EXPECT_NEAR(contact.gap, distance - radius - ball, 1e-7f);
+        EXPECT_LT(contact.normal.y(), -0.9f);
+        area += contact.area_share;
+    }
+    EXPECT_NEAR(area, 2.0f, 1e-5f);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "common/math/random.hpp"
@@ -89,7 +90,8 @@ TEST(CoarseLevel, SpringDeflectionIsForceOverStiffness) {
 TEST(CoarseLevel, IsSymmetricPositiveAndKeepsFixedParticles) {
     Bar bar(true);
     bar.level.begin(180.0f * 180.0f);
-    bar.level.add_spring({3, 90}, {0.3f, 0.7f}, 40.0f);
+    bar.level.add_spring(std::array{3u, 90u}, std::array{0.3f, 0.7f}, 40.0f);
+    bar.level.add_spring(std::array{3u, 90u, 150u}, std::array{1.0f, -0.4f, -0.6f}, 20.0f);
     bar.level.factorise();
     Random random(1);
     const auto any = [&] {

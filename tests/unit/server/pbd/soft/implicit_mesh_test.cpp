@@ -32,7 +32,7 @@ struct Block {
             }
         }
         const std::vector<float> moduli(body.lattice.tetrahedra.size(), 8e3f);
-        mesh.configure({body.lattice.tetrahedra, moduli, 0.45f}, p, p.inverse_mass);
+        mesh.configure({{body.lattice.tetrahedra, moduli, 0.45f}, {}}, p, p.inverse_mass);
     }
 
     Particles& particles() { return body.particles; }
@@ -145,9 +145,7 @@ TEST(ImplicitMesh, EdgeContactActsAtBarycentricPoint) {
     block.mesh.settings.iterations = 200;
     Particles& p = block.particles();
     const auto& corners = block.body.lattice.tetrahedra.front();
-    MeshContact c;
-    c.particle = {corners[0], corners[1]};
-    c.along = 0.25f;
+    MeshContact c = MeshContact::on_edge(corners[0], corners[1], 0.25f);
     c.normal = Vec3f::UnitX();
     c.gap = -1e-4f;
     block.mesh.contacts = {c};
