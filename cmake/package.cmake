@@ -13,7 +13,7 @@ endif()
 
 # data: read by several of the other packages
 install(DIRECTORY deploy/data/ DESTINATION share/neoeti COMPONENT data)
-install(FILES deploy/security/make_lab.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
+install(FILES deploy/security/make_lab.py deploy/security/make_network.py deploy/security/roles.py DESTINATION share/neoeti/security COMPONENT data)
 
 # Services, their settings, and the user account that they run under
 install(FILES deploy/systemd/neoeti.sysusers DESTINATION lib/sysusers.d RENAME neoeti.conf COMPONENT data)

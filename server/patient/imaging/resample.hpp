@@ -11,8 +11,8 @@ namespace eti::imaging {
 
 /// Resamples a volume to an isotropic grid along LPS; `geometry` is the volume's own or that of reoriented().
 /// Axes that already run along LPS, in any order or direction, are permuted without loss. Anything else
-/// (oblique or sheared axes, anisotropic spacing) is interpolated by cubic convolution at the finest spacing,
-/// or a coarser one that gives at most `most` voxels. Outside the volume is air (-1000 HU).
+/// (oblique or sheared axes, anisotropic spacing) is interpolated trilinearly at the finest spacing, or a
+/// coarser one that gives at most `most` voxels. Outside the volume is air (-1000 HU).
 [[nodiscard]] Volume resample_upright(const Volume& volume, const Geometry& geometry, std::size_t most);
 [[nodiscard]] inline Volume resample_upright(const Volume& volume, std::size_t most = std::size_t{1} << 26) {
     return resample_upright(volume, volume.geometry, most);

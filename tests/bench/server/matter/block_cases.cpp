@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "tests/bench/server/matter/block.hpp"
+#include "tests/bench/server/matter/lift_path.hpp"
 
 namespace eti::bench {
 
@@ -24,8 +25,7 @@ constexpr int patience = 600;         // [steps]
 
 /// Solutions by independent finite elements (docs/solver/references.md).
 Json reference_of(const std::string& name) {
-    const std::filesystem::path file =
-        std::filesystem::path(__FILE__).parent_path() / "../../../validation/references" / (name + ".json");
+    const std::filesystem::path file = source_file("tests/validation/references/" + name + ".json");
     std::ifstream in(file);
     if (!in) {
         throw std::runtime_error("cannot read " + file.lexically_normal().string() +

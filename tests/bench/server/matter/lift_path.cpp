@@ -20,6 +20,11 @@ constexpr std::size_t steps_per_pose = 6;  // 30 poses a second
 
 }  // namespace
 
+std::filesystem::path source_file(const std::filesystem::path& path) {
+    // ROOT/build/PRESET/bin/PROGRAM
+    return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "../../.." / path;
+}
+
 LiftPath record_lift(const Scenario& scenario, const patient::Patient& patient) {
     LiftPath path;
     for (const scene::Inputs& inputs : lift_of(scenario, patient)) {

@@ -141,7 +141,7 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
 }
 
 std::filesystem::path committed_path(const std::string& scenario) {
-    return std::filesystem::path(__FILE__).parent_path() / (scenario + "_lift.csv");
+    return source_file("tests/bench/server/matter/" + scenario + "_lift.csv");
 }
 
 Scenario scenario_of(const MatterOptions& options, const std::string& name) {

@@ -8,6 +8,7 @@
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include "bus_fixture.hpp"
+#include "common/bus/fastdds/names.hpp"
 #include "common/bus/participant.hpp"
 #include "messages.hpp"
 
@@ -119,6 +120,11 @@ TEST(SelfCheck, ProtocolMismatchNamesBothVersions) {
         dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
         qos.name(std::string(server_name));
         qos.user_data().data_vec({theirs.begin(), theirs.end()});
+        // As programs of this machine only are: others' addresses are ignored.
+        const auto loopback = std::make_shared<transport::UDPv4TransportDescriptor>();
+        loopback->interfaceWhiteList.emplace_back("127.0.0.1");
+        qos.transport().use_builtin_transports = false;
+        qos.transport().user_transports.push_back(loopback);
         auto* const factory = dds::DomainParticipantFactory::get_instance();
         auto* const other = factory->create_participant(static_cast<std::uint32_t>(options("x").domain), qos);
         ASSERT_NE(other, nullptr);

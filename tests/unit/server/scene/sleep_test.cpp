@@ -95,7 +95,9 @@ TEST_P(SceneSleepTest, GlobalChangesWakeAllTissue) {
 TEST_P(SceneSleepTest, UpdatedShellDistancesWakeTissue) {
     Scene scene = make();
     Inputs inputs = away_;
-    inputs.runtime_parameters.head_elevation += 0.5f * degree;
+    // Nearly incompressible tissue settles more slowly, and must be asleep when the distances arrive.
+    const float turn = GetParam() == TissueMethod::hexahedra ? 0.02f : 0.5f;
+    inputs.runtime_parameters.head_elevation += turn * degree;
     std::size_t slept_at = 0;
     std::size_t woke_at = 0;
     for (std::size_t k = 1; k < 2 * PosedShell::grid_delay; ++k) {
