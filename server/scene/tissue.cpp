@@ -157,6 +157,12 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
     if (method != TissueMethod::clusters) {
         pbd::ImplicitMesh::Description mesh;
         fill_moduli(patient.tissue_stiffness);
+        if (method == TissueMethod::implicit) {
+            tetrahedron_moduli_.clear();  // the model's own, as of its clusters and links
+            for (const std::uint32_t t : meshed_) {
+                tetrahedron_moduli_.push_back(patient.tetrahedra.youngs_modulus[t]);
+            }
+        }
         mesh.tetrahedra = {cells_.tetrahedra, tetrahedron_moduli_, tetrahedron_poisson_ratio};
         mesh.hexahedra = {cells_.hexahedra, hexahedron_moduli_, hexahedron_poisson_ratio};
         tongue_.configure(mesh, surface_of_mesh(meshed, method), p, substep);
