@@ -6,8 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "server/pbd/soft/hexahedron_modes.hpp"
-
 namespace eti::pbd {
 
 namespace {

@@ -2,12 +2,10 @@
 // Copyright the NeoETI authors
 #include "server/pbd/soft/hexahedra.hpp"
 
-#include <Eigen/LU>
 #include <cassert>
-#include <cmath>
 #include <numeric>
 
-#include "server/pbd/soft/hexahedron_modes.hpp"
+#include "server/pbd/soft/rest_shape.hpp"
 
 namespace eti::pbd {
 
@@ -48,32 +46,22 @@ void Hexahedra::set_rest_of(std::size_t cell, const Particles& particles) {
     for (unsigned axis = 0; axis < 3; ++axis) {
         edges.col(axis) = 0.25 * mode(1u << axis);
     }
-    const double determinant = edges.determinant();
-    const double size = edges.colwise().norm().maxCoeff();
-    const bool flat = !(std::fabs(determinant) > 1e-6 * size * size * size);
-    const Eigen::Matrix3d inverse =
-        flat ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : Eigen::Matrix3d(edges.inverse());
-    const Eigen::Matrix3d metric = inverse * inverse.transpose();
-    constexpr int row[6] = {0, 1, 2, 1, 0, 0};
-    constexpr int column[6] = {0, 1, 2, 2, 2, 1};
-    for (int k = 0; k < 6; ++k) {
-        block.metric[k][lane] = static_cast<float>(metric(row[k], column[k]));
-    }
-    block.inverse_determinant[lane] = static_cast<float>(inverse.determinant());
+    const RestShape shape(edges);
+    shape.store(block, lane);
     for (std::size_t a = 0; a < hourglass_modes.size(); ++a) {
-        const Vec3d warp = inverse * (0.125 * mode(hourglass_modes[a]));
+        const Vec3d warp = shape.inverse * (0.125 * mode(hourglass_modes[a]));
         for (int axis = 0; axis < 3; ++axis) {
             block.warp[a][axis][lane] = static_cast<float>(warp[axis]);
         }
     }
-    volume_[cell] = flat ? 0.0f : static_cast<float>(std::fabs(determinant));
+    volume_[cell] = static_cast<float>(shape.determinant);
     block.stiffness[lane] = shear_modulus_[cell] * volume_[cell];
 }
 
 void Hexahedra::set_youngs_modulus(std::span<const float> moduli) {
     assert(moduli.size() == size());
     for (std::size_t cell = 0; cell < size(); ++cell) {
-        shear_modulus_[cell] = moduli[cell] / (2.0f * (1.0f + poisson_ratio_));
+        shear_modulus_[cell] = shear_modulus(moduli[cell], poisson_ratio_);
         block_[place_[cell] / lanes].stiffness[place_[cell] % lanes] = shear_modulus_[cell] * volume_[cell];
     }
 }

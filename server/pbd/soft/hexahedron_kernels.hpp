@@ -4,7 +4,6 @@
 
 #include "server/pbd/lanes.hpp"
 #include "server/pbd/soft/hexahedra.hpp"
-#include "server/pbd/soft/hexahedron_modes.hpp"
 #include "server/pbd/soft/tetrahedron_kernels.hpp"
 
 namespace eti::pbd {
@@ -216,7 +215,6 @@ struct HexahedronModes {
                                                        std::size_t count, const float* wide,
                                                        const ImplicitSums& sums, float ratio,
                                                        float hardening) {
-    constexpr float below_one = 0.999f;  // fraction of what the largest stretch allows
     constexpr float kappa = volume_gradient_stiffness;
     const Lanes none{};
     for (std::size_t n = 0; n < count; ++n) {
@@ -251,14 +249,9 @@ struct HexahedronModes {
         store(hourglass, out.hourglass);
         Lanes stretch;
         largest_stretch_squared(x.edge, m, trace, stretch);
-        stretch += 1e-6f;
-        sqrt_in_place(stretch);
-        const Lanes most = below_one / stretch;
-        Lanes cut = strain < -most ? -most : strain;
-        cut = cut > most ? most : cut;
-        // As in linearise_blocks().
-        Lanes stiffened = 0.6f * (1.0f + (strain < none ? -strain : strain) * stretch);
-        stiffened = shear * (stiffened > 1.0f ? stiffened : none + 1.0f);
+        Lanes cut;
+        Lanes stiffened;
+        clamp_tangent(strain, stretch, shear, cut, stiffened);
         for (int k = 0; k < 6; ++k) {
             store(stiffened * m[k], out.metric[k]);
         }

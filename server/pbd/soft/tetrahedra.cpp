@@ -2,24 +2,16 @@
 // Copyright the NeoETI authors
 #include "server/pbd/soft/tetrahedra.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "server/pbd/lanes.hpp"
+#include "server/pbd/soft/rest_shape.hpp"
 
 namespace eti::pbd {
 
-namespace {
-
 static_assert(lane_count == Tetrahedra::lanes);
-
-float shear_modulus(float youngs_modulus, float poisson_ratio) {
-    return youngs_modulus / (2.0f * (1.0f + poisson_ratio));
-}
-
-}  // namespace
 
 void Tetrahedra::configure(const Description& description, const Particles& particles) {
     CornerNumbering numbering(particles.size());
@@ -61,20 +53,9 @@ void Tetrahedra::set_rest_of(std::size_t t, const Particles& particles) {
     for (int v = 0; v < 3; ++v) {
         edges.col(v) = at(v + 1).cast<double>() - at(0).cast<double>();
     }
-    const double determinant = edges.determinant();
-    const double size = edges.colwise().norm().maxCoeff();
-    // A height of a millionth of the edge is the rounding error of coordinates ten edges from the origin.
-    const bool flat = !(std::fabs(determinant) > 1e-6 * size * size * size);
-    const Eigen::Matrix3d inverse =
-        flat ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : Eigen::Matrix3d(edges.inverse());
-    const Eigen::Matrix3d metric = inverse * inverse.transpose();
-    constexpr int row[6] = {0, 1, 2, 1, 0, 0};
-    constexpr int column[6] = {0, 1, 2, 2, 2, 1};
-    for (int k = 0; k < 6; ++k) {
-        block.metric[k][lane] = static_cast<float>(metric(row[k], column[k]));
-    }
-    block.inverse_determinant[lane] = static_cast<float>(inverse.determinant());
-    volume_[t] = flat ? 0.0f : static_cast<float>(std::fabs(determinant) / 6.0);
+    const RestShape shape(edges);
+    shape.store(block, lane);
+    volume_[t] = static_cast<float>(shape.determinant / 6.0);
     block.stiffness[lane] = shear_modulus_[t] * volume_[t];
 }
 

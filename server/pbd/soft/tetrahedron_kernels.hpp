@@ -49,11 +49,27 @@ struct ImplicitSums {
     out = (trace + 2.0f * spread) * (1.0f / 3.0f);
 }
 
+/// The volumetric strain s and the shear stiffness that keep an element's matrix positive definite, from the
+/// square of its largest stretch.
+[[gnu::always_inline]] inline void clamp_tangent(const Lanes& strain, const Lanes& stretch_squared,
+                                                 const Lanes& shear, Lanes& cut, Lanes& stiffened) {
+    constexpr float below_one = 0.999f;  // fraction of what the largest stretch allows
+    const Lanes none{};
+    Lanes stretch = stretch_squared + 1e-6f;
+    sqrt_in_place(stretch);
+    const Lanes most = below_one / stretch;
+    cut = strain < -most ? -most : strain;
+    cut = cut > most ? most : cut;
+    // Strongly compressed elements are stiffer in some directions than the clamped matrix, by up to this
+    // factor. With less than half of it a step would overshoot by more than its length.
+    stiffened = 0.6f * (1.0f + (strain < none ? -strain : strain) * stretch);
+    stiffened = shear * (stiffened > 1.0f ? stiffened : none + 1.0f);
+}
+
 [[gnu::always_inline]] inline void linearise_blocks(const Tetrahedra::Block* blocks,
                                                     ImplicitMesh::Element* elements, std::size_t count,
                                                     const float* wide, const ImplicitSums& sums,
                                                     float ratio) {
-    constexpr float below_one = 0.999f;  // fraction of what the largest stretch allows
     const Lanes none{};
     for (std::size_t n = 0; n < count; ++n) {
         const Tetrahedra::Block& b = blocks[n];
@@ -82,15 +98,9 @@ struct ImplicitSums {
         const Lanes strain = (c.determinant - 1.0f - ratio) / ratio;
         Lanes stretch;
         largest_stretch_squared(edge, rest.metric, c.trace, stretch);
-        stretch += 1e-6f;
-        sqrt_in_place(stretch);
-        const Lanes most = below_one / stretch;
-        Lanes cut = strain < -most ? -most : strain;
-        cut = cut > most ? most : cut;
-        // Strongly compressed elements are stiffer in some directions than the clamped matrix, by up to this
-        // factor. With less than half of it a step would overshoot by more than its length.
-        Lanes stiffened = 0.6f * (1.0f + (strain < none ? -strain : strain) * stretch);
-        stiffened = shear * (stiffened > 1.0f ? stiffened : none + 1.0f);
+        Lanes cut;
+        Lanes stiffened;
+        clamp_tangent(strain, stretch, shear, cut, stiffened);
         for (int k = 0; k < 6; ++k) {
             store(stiffened * rest.metric[k], e.metric[k]);
         }
