@@ -115,6 +115,25 @@ class Case(unittest.TestCase):
                 self.assertIsInstance(value, (int, float), f"{name}: {parameters[name]}")
                 self.assertTrue(math.isfinite(value), f"{name}: {value}")
 
+    def assert_session_succeeds(self, session):
+        """Runs a whole session: it intubates, every program ends by itself, forces are felt, commands are accepted and
+        both clients have the scene."""
+        session.start()
+        self.addCleanup(session.finish)
+        self.assertTrue(session.watch())
+        late = session.finish()
+        logs = {role: program.log.read_text(errors="replace") for role, program in session.programs.items()}
+        self.assertEqual(late, [], [logs[role] for role in late])
+        for role, program in session.programs.items():
+            self.assertEqual(program.exit_code(), 0, f"{role}: {program.how_it_ended()}\n{logs[role]}")
+        summary, _ = session.summary()
+        self.assertTrue(summary["success"], f"{summary['reason']}\n{logs['server']}")
+        self.assertGreater(session.said("haptics")["force_n"]["max"], 0.5)
+        controller = session.said("controller")
+        self.assertEqual((controller["commands"], controller["accepted"]), (2, 2))
+        for role in ("trainee", "observer"):
+            self.assertIn("scene is complete", logs[role])
+
 
 class Programs(Case):
     """Programs of one session, started one by one; each has a log and its output in the test's folder."""

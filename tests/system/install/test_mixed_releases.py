@@ -71,21 +71,7 @@ class MixedReleases(support.Case):
     def run_session(self, *of_the_other):
         session = Session(self.mixed(*of_the_other), self.folder, domain=support.DOMAIN, name=support.SESSION,
                           scenario=support.COARSE_TERM, say=lambda text: None)
-        session.start()
-        self.addCleanup(session.finish)
-        self.assertTrue(session.watch())
-        late = session.finish()
-        logs = {role: program.log.read_text(errors="replace") for role, program in session.programs.items()}
-        self.assertEqual(late, [], [logs[role] for role in late])
-        for role, program in session.programs.items():
-            self.assertEqual(program.exit_code(), 0, f"{role}: {program.how_it_ended()}\n{logs[role]}")
-        summary, _ = session.summary()
-        self.assertTrue(summary["success"], f"{summary['reason']}\n{logs['server']}")
-        self.assertGreater(session.said("haptics")["force_n"]["max"], 0.5)
-        controller = session.said("controller")
-        self.assertEqual((controller["commands"], controller["accepted"]), (2, 2))
-        for role in ("trainee", "observer"):
-            self.assertIn("scene is complete", logs[role])
+        self.assert_session_succeeds(session)
 
     def test_devices_of_the_other(self):
         self.run_session("haptics", "tracker", "controller")

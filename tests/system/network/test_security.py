@@ -44,22 +44,7 @@ class Security(support.Programs):
         extra = {program: ["--identity", self.lab / identity] for program, identity in IDENTITIES.items()}
         session = Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION, extra=extra,
                           say=lambda text: None)
-        session.start()
-        self.addCleanup(session.finish)
-        self.assertTrue(session.watch())
-        late = session.finish()
-        logs = {role: program.log.read_text(errors="replace") for role, program in session.programs.items()}
-        self.assertEqual(late, [], [logs[role] for role in late])
-        for role, program in session.programs.items():
-            self.assertEqual(program.exit_code(), 0, logs[role])
-        summary, _ = session.summary()
-        self.assertTrue(summary["success"], f"{summary['reason']}\n{logs['server']}")
-        haptics = session.said("haptics")
-        self.assertGreater(haptics["force_n"]["max"], 0.5)
-        controller = session.said("controller")
-        self.assertEqual((controller["commands"], controller["accepted"]), (2, 2))
-        for role in ("trainee", "observer"):
-            self.assertIn("scene is complete", logs[role])
+        self.assert_session_succeeds(session)
 
     def test_program_without_identity_finds_no_server(self):
         server = self.start_server()
