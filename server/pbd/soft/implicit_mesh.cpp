@@ -94,9 +94,13 @@ void ImplicitMesh::configure(const Description& description, const Particles& pa
     const auto used = this->particles();
     corner_of_.assign(particles.size(), no_corner);
     inverse_mass_.clear();
+    held_.clear();
     for (std::uint32_t k = 0; k < used.size(); ++k) {
         corner_of_[used[k]] = k;
         inverse_mass_.push_back(inverse_mass[used[k]]);
+        if (inverse_mass_[k] == 0.0f) {
+            held_.push_back(k);
+        }
     }
     own_stiffness_.assign(used.size(), 0.0f);
     const std::size_t padded = used.size() + 8 * Hexahedra::lanes;
@@ -248,10 +252,11 @@ void ImplicitMesh::solve_linearised(Particles& particles, float dt) {
     // NaN compares false and passes: it must not be hidden.
     const float share = farthest > longest_step_ * longest_step_ ? longest_step_ / std::sqrt(farthest) : 1.0f;
     for (std::size_t k = 0; k < used.size(); ++k) {
-        if (inverse_mass_[k] > 0.0f) {
+        if (inverse_mass_[k] > 0.0f || bodies.yield()) {
             particles.predicted[used[k]] += share * step_[k].head<3>();
         }
     }
+    bodies.step *= share;
     for_contacts([&](MeshContact& c) { c.update(share * displacement_of(c, step_)); });
 }
 
@@ -401,12 +406,13 @@ void ImplicitMesh::conjugate_gradients() {
         parallel::for_each(ranges_.size(), 1, [&](std::size_t r) { body(ranges_[r]); });
     };
     coarse_.factorise();
+    factorise_bodies();
     for_ranges([&](Range& range) {
         invert_blocks(range);
         precondition(range);
     });
     float left = join_levels();
-    for_ranges([&](Range& range) { turn(range, 0.0f); });
+    turn(0.0f);
     for (int n = 1; left > 0.0f; ++n) {
         const float curvature = apply();
         if (!(curvature > 0.0f)) {
@@ -414,6 +420,10 @@ void ImplicitMesh::conjugate_gradients() {
         }
         const float step_length = left / curvature;
         advance_contacts(step_length);
+        if (bodies.yield()) {
+            bodies.step += step_length * bodies_along_;
+            bodies_residual_ -= step_length * (bodies.matrix * bodies_along_);
+        }
         if (n >= settings.iterations) {
             for_ranges([&](Range& range) { advance(range, step_length); });
             break;
@@ -423,9 +433,35 @@ void ImplicitMesh::conjugate_gradients() {
             precondition(range);
         });
         const float next = join_levels();
-        for_ranges([&](Range& range) { turn(range, next / left); });
+        turn(next / left);
         left = next;
     }
+}
+
+void ImplicitMesh::factorise_bodies() {
+    bodies.step.setZero();
+    bodies_along_.setZero();
+    bodies_moved_.setZero();
+    if (!bodies.yield()) {
+        return;
+    }
+    bodies_residual_ = bodies.force;
+    // Blocks of single corners suffice for a preconditioner: neighbours that are held, too, only make it
+    // too stiff.
+    YieldingBodies::Matrix matrix = bodies.matrix;
+    for (std::size_t h = 0; h < held_.size(); ++h) {
+        const Eigen::Vector4f& square = square_[held_[h]];
+        const Eigen::Vector4f& mixed = mixed_[held_[h]];
+        Eigen::Matrix3f block;
+        block << square[0] + square[3], mixed[2], mixed[1], mixed[2], square[1] + square[3], mixed[0], mixed[1],
+            mixed[0], square[2] + square[3];
+        Eigen::Matrix<float, 3, YieldingBodies::coordinates> jacobian;
+        for (std::size_t c = 0; c < YieldingBodies::coordinates; ++c) {
+            jacobian.col(static_cast<Eigen::Index>(c)) = bodies.jacobian[h][c].head<3>();
+        }
+        matrix.noalias() += jacobian.transpose() * block * jacobian;
+    }
+    bodies_factor_.compute(matrix);
 }
 
 void ImplicitMesh::precondition(Range& range) {
@@ -450,7 +486,26 @@ float ImplicitMesh::join_levels() {
         coarse_force_ += range.force;
         product += range.product;
     }
-    return product + coarse_.solve(coarse_force_);
+    product += coarse_.solve(coarse_force_);
+    if (bodies.yield()) {
+        YieldingBodies::Vector residual = bodies_residual_;
+        for (std::size_t h = 0; h < held_.size(); ++h) {
+            YieldingBodies::add_transposed(bodies.jacobian[h], residual_[held_[h]], residual);
+        }
+        bodies_moved_ = bodies_factor_.solve(residual);
+        product += residual.dot(bodies_moved_);
+    }
+    return product;
+}
+
+void ImplicitMesh::turn(float keep) {
+    if (bodies.yield()) {
+        bodies_along_ = bodies_moved_ + keep * bodies_along_;
+        for (std::size_t h = 0; h < held_.size(); ++h) {
+            put(YieldingBodies::displacement(bodies.jacobian[h], bodies_moved_), moved_[held_[h]]);
+        }
+    }
+    parallel::for_each(ranges_.size(), 1, [&](std::size_t r) { turn(ranges_[r], keep); });
 }
 
 void ImplicitMesh::turn(Range& range, float keep) {
@@ -493,6 +548,9 @@ float ImplicitMesh::apply() {
     float curvature = 0.0f;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         curvature += parts_[p].curvature + ranges_[p].curvature;
+    }
+    if (bodies.yield()) {
+        curvature += bodies_along_.dot(bodies.matrix * bodies_along_);
     }
     for_contacts([&](const MeshContact& c) {
         curvature += c.holding_stiffness() * held_displacement(c).squaredNorm();

@@ -12,6 +12,7 @@
 #include "server/pbd/soft/coarse_level.hpp"
 #include "server/pbd/soft/hexahedra.hpp"
 #include "server/pbd/soft/tetrahedra.hpp"
+#include "server/pbd/soft/yielding_bodies.hpp"
 
 namespace eti::pbd {
 
@@ -60,6 +61,7 @@ class ImplicitMesh {
     std::vector<Spring> springs;
     std::vector<MeshContact> contacts;       ///< with obstacles
     std::vector<MeshContact> self_contacts;  ///< within the mesh
+    YieldingBodies bodies;                   ///< that hold corners
 
     /// `inverse_mass` [particles][1/kg]; particles with 0 follow `predicted`.
     void configure(const Description& description, const Particles& particles,
@@ -81,6 +83,8 @@ class ImplicitMesh {
 
     /// The particles that are corners, in the order of the corner indices below.
     [[nodiscard]] std::span<const std::uint32_t> particles() const { return tetrahedra_.particles(); }
+    /// Corner indices of the held corners, ascending.
+    [[nodiscard]] std::span<const std::uint32_t> held() const { return held_; }
     /// Number of elements.
     [[nodiscard]] std::size_t size() const { return tetrahedra_.size() + hexahedra_.size(); }
     /// [1/kg]
@@ -146,10 +150,12 @@ class ImplicitMesh {
     void invert_blocks(const Range& range);
     /// Applies the block preconditioner to the residual, and restricts the residual to the coarse level.
     void precondition(Range& range);
-    /// Completes it with the coarse level: returns residual times preconditioned residual [J].
+    /// Completes it with the coarse level and the bodies: returns residual times preconditioned residual [J].
     [[nodiscard]] float join_levels();
     /// Updates the direction; `keep` is the factor of the last one.
+    void turn(float keep);
     void turn(Range& range, float keep);
+    void factorise_bodies();
     /// Applies the matrix to along_ by parts, and returns the curvature along it [J].
     [[nodiscard]] float apply();
     /// Advances along the direction by `step_length`.
@@ -182,6 +188,9 @@ class ImplicitMesh {
     CoarseLevel coarse_;
     CoarseLevel::Motion coarse_force_;
     float configured_modulus_ = 0.0f;  // [Pa], sum over elements
+    std::vector<std::uint32_t> held_;  // corner indices
+    Eigen::LLT<YieldingBodies::Matrix> bodies_factor_;
+    YieldingBodies::Vector bodies_residual_, bodies_moved_, bodies_along_;
 };
 
 }  // namespace eti::pbd
