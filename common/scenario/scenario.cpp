@@ -169,6 +169,14 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
         }
+        p.bones_yield =
+            physics->flag("bones_yield", p.bones_yield,
+                          "Head, mandible and hyoid yield to the forces on them (under test); with "
+                          "`implicit` or `hexahedra`");
+        if (p.bones_yield && p.tissue_method == TissueMethod::clusters) {
+            physics->refuse("bones_yield", "on with 'tissue_method: clusters'",
+                            "'tissue_method: implicit' or 'hexahedra', whose step the bones are part of");
+        }
         p.self_contact = physics->flag("self_contact", p.self_contact,
                                        "Self-contact of tongue, epiglottis and pharyngeal walls");
         p.sleep =

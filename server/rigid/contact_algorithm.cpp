@@ -52,6 +52,11 @@ void ProxyShellAlgorithm::processCollision(const btCollisionObjectWrapper* first
         point.m_positionWorldOnA = on_proxy;
         point.m_positionWorldOnB = on_shell;
         point.m_combinedFriction = buffer_.friction;
+        if (buffer_.stiffness > 0.0f) {
+            point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
+            point.m_combinedContactStiffness1 = buffer_.stiffness;
+            point.m_combinedContactDamping1 = buffer_.damping;
+        }
         // The distance is positive before touch; the manifold must keep the contact.
         buffer_.manifolds.back()->setContactBreakingThreshold(BT_LARGE_FLOAT);
         buffer_.manifolds.back()->addManifoldPoint(point);

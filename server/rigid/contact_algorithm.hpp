@@ -29,6 +29,8 @@ struct ContactBuffer {
     std::vector<Capsule> capsules;  ///< [cm], world frame, at the substep's start
     btVector3 origin{0, 0, 0};      ///< [cm], the proxy's origin at the substep's start
     float friction = 0.0f;
+    float stiffness = 0.0f;  ///< [N/m]; 0: rigid
+    float damping = 0.0f;    ///< [N s/m]
     const btCollisionObject* proxy = nullptr;
     std::vector<btPersistentManifold*> manifolds;
 

@@ -42,7 +42,8 @@ RigidLayer::World::World(const Laryngoscope& scope, const TriangleMesh& mesh,
     info.m_numIterations = settings.solver_iterations;
     info.m_leastSquaresResidualThreshold =
         to_cm * settings.solver_residual * to_cm * settings.solver_residual;
-    info.m_splitImpulse = true;  // corrects depth without adding to the reported force
+    // Corrects depth without adding to the reported force. Of a compliant contact, depth is the force.
+    info.m_splitImpulse = settings.contact_stiffness == 0.0f;
     info.m_splitImpulsePenetrationThreshold = 0.0f;
     info.m_erp2 = 0.4f;  // fraction of the depth corrected per substep
     info.m_splitImpulseTurnErp = 1.0f;
@@ -54,6 +55,8 @@ RigidLayer::World::World(const Laryngoscope& scope, const TriangleMesh& mesh,
         build_shell();
     }
     buffer.friction = settings.friction;
+    buffer.stiffness = settings.contact_stiffness;
+    buffer.damping = settings.contact_damping;
     buffer.proxy = proxy.get();
     place({});
 }

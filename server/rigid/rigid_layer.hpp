@@ -36,7 +36,11 @@ struct Settings {
     /// [m/s]; iteration ends once no contact's speed changes by more.
     float solver_residual = 1e-5f;
     float penetration_tolerance = 0.1e-3f;  ///< [m]; a pose deeper than this counts as penetrating
-    int max_contacts = 128;                 ///< nearest contacts kept per substep; dropped ones are counted
+    /// [N/m] and [N s/m], of a contact: mucosa on bone. 0: rigid. A blade between bones that close on it
+    /// needs a finite one, because no rigid contact force would satisfy both.
+    float contact_stiffness = 0.0f;
+    float contact_damping = 0.0f;
+    int max_contacts = 128;  ///< nearest contacts kept per substep; dropped ones are counted
 };
 
 /// Contact of the laryngoscope's proxy with the shell.

@@ -40,6 +40,16 @@ class BladeContact {
     void add_impulse(std::uint32_t particle, const Vec3f& position, const Vec3f& impulse,
                      const RigidTransform& pose);
 
+    /// Calls body(particle, impulse [N s]) for the particles that the blade pushed in the last step.
+    template <class Body>
+    void for_impulses(const Body& body) const {
+        for (std::size_t n = 0; n < reachable_.size(); ++n) {
+            if (!impulse_[n].isZero(0.0f)) {
+                body(reachable_[n], impulse_[n]);
+            }
+        }
+    }
+
     [[nodiscard]] const Laryngoscope& scope() const { return scope_; }
     /// Whether the blade may touch a particle in this step.
     [[nodiscard]] bool reaches_tissue() const { return !reachable_.empty(); }

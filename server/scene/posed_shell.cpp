@@ -3,6 +3,9 @@
 #include "server/scene/posed_shell.hpp"
 
 #include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "common/mesh/distance.hpp"
 
@@ -28,15 +31,25 @@ DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
 
 }  // namespace
 
-PosedShell::PosedShell(const patient::Patient& patient, const patient::BonePoses& bones) : patient_(patient) {
+PosedShell::PosedShell(const patient::Patient& patient, const patient::BonePoses& bones,
+                       const YieldingSkeleton* skeleton)
+    : patient_(patient), skeleton_(skeleton) {
+    if (skeleton != nullptr) {
+        const auto& rest = patient.shell.mesh.vertices;
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            carriers_.push_back({patient.shell.vertex_bones[i], skeleton->hyoid_share(rest[i])});
+        }
+    }
     pose_now(bones);
 }
 
 void PosedShell::move(const patient::BonePoses& bones) {
     vertices_.resize(patient_.shell.mesh.vertices.size());
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-        vertices_[i] =
-            patient::pose_point(patient_.shell.mesh.vertices[i], patient_.shell.vertex_bones[i], bones);
+        const Vec3f& rest = patient_.shell.mesh.vertices[i];
+        vertices_[i] = skeleton_ != nullptr
+                           ? skeleton_->pose_point(rest, carriers_[i])
+                           : patient::pose_point(rest, patient_.shell.vertex_bones[i], bones);
     }
 }
 
@@ -51,14 +64,39 @@ void PosedShell::pose(const patient::BonePoses& bones) {
 void PosedShell::start() {
     pending_ = std::async(std::launch::async,
                           [mesh = TriangleMesh{vertices_, patient_.shell.mesh.triangles},
-                           spacing = patient_.shell.distance.spacing] { return distance_of(mesh, spacing); });
+                           spacing = patient_.shell.distance.spacing, carriers = std::span(carriers_),
+                           skeleton = skeleton_ == nullptr ? std::nullopt : std::optional(*skeleton_)] {
+                              Posed posed{distance_of(mesh, spacing), {}};
+                              if (skeleton) {
+                                  posed.motion = WallMotion(mesh.vertices, carriers, *skeleton);
+                              }
+                              return posed;
+                          });
     wait_ = grid_delay;
     stale_ = false;
 }
 
 void PosedShell::take() {
-    distance_ = pending_.get();
+    Posed posed = pending_.get();
+    distance_ = std::move(posed.distance);
+    motion_ = std::move(posed.motion);
     ++revision_;
+}
+
+void PosedShell::yield() {
+    move(skeleton_->bones());
+    motion_.update(*skeleton_);
+}
+
+YieldingSkeleton::Carrier PosedShell::carrier_of(std::uint32_t triangle) const {
+    YieldingSkeleton::Carrier mean;
+    for (const std::uint32_t v : patient_.shell.mesh.triangles[triangle]) {
+        for (std::size_t b = 0; b < patient::bone_count; ++b) {
+            mean.bones[b] += carriers_[v].bones[b] / 3.0f;
+        }
+        mean.hyoid += carriers_[v].hyoid / 3.0f;
+    }
+    return mean;
 }
 
 void PosedShell::pose_now(const patient::BonePoses& bones) {
@@ -81,6 +119,9 @@ void PosedShell::advance() {
         return;
     }
     take();
+    if (skeleton_ != nullptr) {
+        motion_.update(*skeleton_);
+    }
     if (stale_) {
         start();
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "common/math/hash.hpp"
 #include "common/model/runtime_parameters.hpp"
@@ -17,12 +18,21 @@ namespace eti::scene {
 
 namespace {
 
+// [m], by which bones move before the shell follows: its stiffness times this is a tenth of a newton.
+constexpr float shell_follows = 5e-6f;
 constexpr int swelling_delay = 90;  // [steps]; half a second
 constexpr float tissue_weight_share = patient::physical_tissue_density / patient::tissue_density;
 
 template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
     hash.bytes(vector.data(), sizeof(Scalar) * rows);
+}
+/// Contacts as between blade and the mucosa of gums and palate, about 1.5 mm of 1 to 3 MPa on bone.
+rigid::Settings compliant(rigid::Settings settings) {
+    settings.contact_stiffness = 20e3f;
+    settings.contact_damping = 20.0f;
+    settings.penetration_tolerance = 0.5e-3f;
+    return settings;
 }
 void add(Hash& hash, const RigidTransform& pose) {
     hash.bytes(pose.rotation.coeffs().data(), 4 * sizeof(float));
@@ -39,8 +49,12 @@ Scene::Scene(const patient::Patient& patient, const Laryngoscope& scope, const T
             .tongue_scale = settings.tongue_scale,
             .tissue_stiffness = patient.tissue_stiffness},
       tissue_(patient, settings.tissue_method, step_duration / static_cast<float>(settings.substeps)),
-      shell_(patient, bones_at(clamped(start.runtime_parameters))),
-      rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue, settings.rigid),
+      bones_(settings.bones_yield && !tissue_.tongue().empty()
+                 ? std::optional<SkeletonCoupling>(std::in_place, patient, tissue_)
+                 : std::nullopt),
+      shell_(patient, bones_at(clamped(start.runtime_parameters)), bones_ ? &bones_->skeleton() : nullptr),
+      rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue,
+             bones_ ? compliant(settings.rigid) : settings.rigid),
       blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),
       built_tube_(tube),
       tube_(apply_to_tube(tube, start.runtime_parameters), scope, start.tube_grip) {
@@ -92,10 +106,14 @@ void Scene::reset(const Inputs& start) {
         tissue_.set_stiffness(live_.tissue_stiffness);
     }
     tube_.set_material(apply_to_tube(built_tube_, live_));
-    const patient::BonePoses bones = bones_at(live_);
-    tissue_.pose(bones);
+    if (bones_) {
+        bones_->reset(posture_of(live_), tissue_);
+        shell_at_.setZero();
+    } else {
+        tissue_.pose(bones_at(live_));
+    }
     tissue_.reset();
-    shell_.pose_now(bones);
+    shell_.pose_now(bones_at(live_));
     rigid_.move_shell(shell_.vertices());
     place_laryngoscope(start.laryngoscope);
     place_tube(start.tube_grip);
@@ -146,12 +164,34 @@ void Scene::follow(const RuntimeParameters& wanted) {
     if (!bones_move && !tongue_grows) {
         return;
     }
-    const patient::BonePoses bones = bones_at(live_);
-    tissue_.pose(bones);
+    if (bones_) {
+        bones_->follow(posture_of(live_), tissue_);
+    } else {
+        tissue_.pose(bones_at(live_));
+    }
     if (bones_move) {
-        shell_.pose(bones);
+        shell_.pose(bones_at(live_));
         rigid_.move_shell(shell_.vertices());
     }
+}
+
+void Scene::move_shell() {
+    if (bones_ && bones_->has_moved(shell_follows, shell_at_)) {
+        shell_.yield();
+        rigid_.move_shell(shell_.vertices());
+    }
+}
+
+void Scene::load_bones() {
+    if (!bones_) {
+        return;
+    }
+    bones_->gather_loads(snapshot_, compliant(settings_.rigid).contact_stiffness, blade_, shell_, tissue_);
+    pbd::SoftBody& body = tissue_.body();
+    if (!body.sleep.mesh_awake() && bones_->needs_step()) {
+        body.sleep.wake(body.particles, tissue_.tongue().any_moved());
+    }
+    bones_->hold(tissue_);
 }
 
 bool Scene::swelling_ready() {
@@ -183,6 +223,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
     }
     follow(inputs.runtime_parameters);
     shell_.advance();
+    move_shell();
     move_proxy(inputs);
     if (proxy_moved) {
         proxy_moved(snapshot_);
@@ -194,6 +235,7 @@ void Scene::step(const Inputs& inputs, const std::function<void(const ProxySnaps
         return;
     }
 
+    load_bones();
     wake_near_tools(inputs);
     find_reachable(inputs);
     const bool liquid_moves = begin_saliva();
@@ -282,9 +324,16 @@ void Scene::solve_tongue(const Substep& now) {
     const auto covered = static_cast<float>(now.per_solve);
     const float until =
         static_cast<float>(now.index + now.per_solve) / static_cast<float>(settings_.substeps);
+    const float dt = now.dt * covered;
+    if (bones_) {
+        bones_->begin_solve(tissue_, dt);
+    }
     tissue_.tongue().solve(tissue_.body(), {blade_.scope(), blade_.pose_at(now.begin), blade_.pose_at(until)},
-                           {shell_.distance(), shell_.revision()}, now.dt * covered,
-                           covered / static_cast<float>(settings_.substeps - now.index), blade_);
+                           shell_.walls(), dt, covered / static_cast<float>(settings_.substeps - now.index),
+                           blade_);
+    if (bones_) {
+        bones_->end_solve(tissue_, dt);
+    }
     lap(StepStage::tissue);
 }
 
@@ -305,7 +354,7 @@ void Scene::project(const Substep& now) {
         blade_.project(body.particles, now.begin, now.end, now.dt);
         lap(StepStage::blade);
     };
-    const auto tube = [&] { tube_.project(body.particles, shell_.distance(), now.begin, now.end); };
+    const auto tube = [&] { tube_.project(body.particles, shell_.walls(), now.begin, now.end); };
     // With a timer, sequentially, to measure each.
     if (tube_.reaches_tissue() || timer_ != nullptr) {
         tissue();
@@ -372,15 +421,18 @@ void Scene::keep_out_of_shell(pbd::Particles& particles) {
     if (particles.awake.empty()) {
         return;
     }
-    clearance_.begin(shell_particles_.size(), shell_.revision());
+    const Walls walls = shell_.walls();
+    clearance_.begin(shell_particles_.size(), walls);
     parallel::for_each(shell_particles_.size(), 256, [&](std::size_t k) {
         const std::uint32_t i = shell_particles_[k];
         if (particles.asleep[i] != 0) {
             return;
         }
         Vec3f& p = particles.predicted[i];
-        if (clearance_.inside(k, p, shell_.distance())) {
-            p += pbd::push_out_of(shell_.distance(), particles.position[i], p, 0.0f, mucosa_on_mucosa);
+        if (clearance_.inside(k, p, walls)) {
+            const Vec3f in_grid = walls.in_grid(p);
+            p += pbd::push_out_of(walls.grid, particles.position[i] + (in_grid - p), in_grid, 0.0f,
+                                  mucosa_on_mucosa);
         }
     });
 }
@@ -430,6 +482,10 @@ std::uint64_t Scene::state_hash() const {
         add(hash, Eigen::Vector4d(segment.rotation.coeffs()));
         add(hash, segment.velocity);
         add(hash, segment.angular_velocity);
+    }
+    if (bones_) {
+        add(hash, bones_->skeleton().offset());
+        add(hash, bones_->skeleton().velocity());
     }
     add(hash, snapshot_.proxy);
     add(hash, snapshot_.last_free);

@@ -16,6 +16,7 @@
 #include "server/scene/posed_shell.hpp"
 #include "server/scene/saliva.hpp"
 #include "server/scene/shell_clearance.hpp"
+#include "server/scene/skeleton/skeleton_coupling.hpp"
 #include "server/scene/snapshot.hpp"
 #include "server/scene/step_timer.hpp"
 #include "server/scene/tissue.hpp"
@@ -37,6 +38,7 @@ struct Settings {
     float head_scale = 1.0f;    ///< with which the model was built
     float tongue_scale = 1.0f;  ///< with which the model was built
     rigid::Settings rigid;
+    bool bones_yield = false;   ///< head, mandible and hyoid; needs an implicit tongue
     bool self_contact = false;  ///< enables contact between tissue and tissue
     bool sleep = true;          ///< skips solving tissue at rest
     bool saliva = false;        ///< enables secretions in mouth and throat; costs nothing when off
@@ -65,6 +67,8 @@ class Scene {
     [[nodiscard]] const Snapshot& snapshot() const { return snapshot_; }
 
     [[nodiscard]] const SoftTissue& tissue() const { return tissue_; }
+    /// nullptr where bones do not yield.
+    [[nodiscard]] const YieldingSkeleton* skeleton() const { return bones_ ? &bones_->skeleton() : nullptr; }
     /// Signed distances [m] of the offset shell in the current posture; negative inside the tissue.
     [[nodiscard]] const DistanceGrid& shell() const { return shell_.distance(); }
 
@@ -98,6 +102,10 @@ class Scene {
     /// updates gravity, stiffness and rest shape of the tissue, the tube's material, and the shell that the
     /// rigid layer collides with.
     void follow(const RuntimeParameters& wanted);
+    /// Moves the shell with the bones that yield.
+    void move_shell();
+    /// Gathers the loads on bones that yield, and wakes the tongue if it has to move with them.
+    void load_bones();
     /// Moves the proxy towards the device, stopped by the shell (with a manikin: to the device). Writes the
     /// ProxySnapshot, whose `last_free` is where the particles' blade moves in this step: its last pose
     /// without penetration of the shell.
@@ -133,9 +141,12 @@ class Scene {
     /// Sizes of cranium and tongue relative to the model as built.
     [[nodiscard]] float head() const { return live_.head_scale / settings_.head_scale; }
     [[nodiscard]] float growth() const { return live_.tongue_scale / settings_.tongue_scale; }
+    [[nodiscard]] static patient::Posture posture_of(const RuntimeParameters& live) {
+        return {live.head_elevation, live.jaw_opening, live.table_angle};
+    }
+    /// Poses of the bones; where they yield, as they are now.
     [[nodiscard]] patient::BonePoses bones_at(const RuntimeParameters& live) const {
-        return patient::pose_bones(patient_.skeleton,
-                                   {live.head_elevation, live.jaw_opening, live.table_angle});
+        return bones_ ? bones_->skeleton().bones() : patient::pose_bones(patient_.skeleton, posture_of(live));
     }
     /// Keeps the tongue out of palate, gums and pharynx.
     void keep_out_of_shell(pbd::Particles& particles);
@@ -159,6 +170,8 @@ class Scene {
     int swelling_wait_ = 0;
     Vec3f gravity_ = Vec3f::Zero();  // [m/s^2]
     SoftTissue tissue_;
+    std::optional<SkeletonCoupling> bones_;
+    YieldingSkeleton::Vector shell_at_ = YieldingSkeleton::Vector::Zero();  // offsets at which the shell is
     PosedShell shell_;
     rigid::RigidLayer rigid_;
     BladeContact blade_;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/mesh/distance_grid.hpp"
+#include "server/scene/skeleton/wall_motion.hpp"
 
 namespace eti::scene {
 
@@ -14,23 +14,23 @@ namespace eti::scene {
 /// last lookup. inside() may be called from any thread, for different points; begin() must not run meanwhile.
 class ShellClearance {
   public:
-    /// Prepares for `points` points and the shell with this revision; discards the cache of any other.
-    void begin(std::size_t points, std::uint64_t revision) {
-        if (last_.size() != points || revision_ != revision) {
+    /// Prepares for `points` points and these walls; discards the cache of any others.
+    void begin(std::size_t points, const Walls& walls) {
+        if (last_.size() != points || revision_ != walls.revision) {
             last_.assign(points, {});
-            revision_ = revision;
+            revision_ = walls.revision;
         }
     }
     /// Whether the point is inside. Points may be queried in any order.
-    [[nodiscard]] bool inside(std::size_t number, const Vec3f& point, const DistanceGrid& shell) {
+    [[nodiscard]] bool inside(std::size_t number, const Vec3f& point, const Walls& walls) {
         Place& last = last_[number];
         // Along each axis the grid's distance changes by at most the displacement, in total by sqrt(3) times
-        // it.
-        if (last.distance > 0.0f &&
-            4.0f * (point - last.seen).squaredNorm() < last.distance * last.distance) {
+        // it; and the walls come nearer by at most their travel.
+        const float room = last.distance - 2.0f * (walls.travel() - last.travel);
+        if (room > 0.0f && 4.0f * (point - last.seen).squaredNorm() < room * room) {
             return false;
         }
-        last = {point, shell.distance(point)};
+        last = {point, walls.distance(point), walls.travel()};
         return last.distance < 0.0f;
     }
 
@@ -38,6 +38,7 @@ class ShellClearance {
     struct Place {
         Vec3f seen = Vec3f::Zero();
         float distance = 0.0f;  // [m], at `seen`; 0: look up
+        float travel = 0.0f;    // [m], of the walls until then
     };
     std::vector<Place> last_;  // [points]
     std::uint64_t revision_ = 0;

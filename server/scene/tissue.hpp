@@ -26,6 +26,11 @@ class SoftTissue {
     /// Carries the unloaded shape to a posture. Particles bound to bone move there over the next step.
     void pose(const patient::BonePoses& bones);
 
+    /// Poses of the bones themselves, where they yield from that of the unloaded shape.
+    void set_bones(const patient::BonePoses& bones) { bones_ = bones; }
+    /// Rest position [m] of a particle in the model's posture, with the tongue's current growth.
+    [[nodiscard]] Vec3f unposed(std::size_t particle) const { return grown(particle); }
+
     /// Sets the tongue's growth field [particles][m] (see patient::tongue_swelling()); required before
     /// set_tongue_growth().
     void set_swelling(std::vector<Vec3f> displacement);

@@ -102,7 +102,7 @@ bool Tongue::update_tools_away(bool away) {
 void Tongue::gather_springs(const pbd::Particles& particles) {
     mesh_.springs = cluster_springs_;
     const auto used = mesh_.particles();
-    const bool drawn = away_ > relax_begin && away_ < relax_end;
+    const bool drawn = is_drawn();
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (drawn && moved_[used[k]]) {
             mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k)});
@@ -114,9 +114,8 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
     }
 }
 
-void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade,
-                   const TongueContacts::Shell& shell, float dt, float fraction,
-                   BladeContact& blade_contact) {
+void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const Walls& walls,
+                   float dt, float fraction, BladeContact& blade_contact) {
     pbd::Particles& p = body.particles;
     dt_ = dt;
     const auto used = mesh_.particles();
@@ -133,7 +132,7 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
     gather_springs(p);
     parallel::run_both([&] { mesh_.linearise(p, dt); },
                        [&] {
-                           contacts_.find(p, blade, shell, mesh_.contacts);
+                           contacts_.find(p, blade, walls, mesh_.contacts);
                            if (self_contacts_.points() > 0) {
                                self_contacts_.find(p, mesh_.self_contacts);
                            }

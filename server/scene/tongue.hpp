@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -38,6 +39,30 @@ class Tongue {
     [[nodiscard]] const std::vector<bool>& moved() const { return moved_; }
     [[nodiscard]] bool moves(std::size_t particle) const { return !moved_.empty() && moved_[particle]; }
 
+    [[nodiscard]] const pbd::ImplicitMesh& mesh() const { return mesh_; }
+    /// A particle that the mesh moves.
+    [[nodiscard]] std::uint32_t any_moved() const {
+        return static_cast<std::uint32_t>(std::ranges::find(moved_, true) - moved_.begin());
+    }
+    /// Bones that hold the mesh and yield.
+    [[nodiscard]] pbd::YieldingBodies& bodies() { return mesh_.bodies; }
+    /// Calls body(spring) for the springs of the last solve that stand for tissue outside the mesh.
+    template <class Body>
+    void for_attachments(const Body& body) const {
+        if (!is_drawn()) {
+            std::ranges::for_each(mesh_.springs, body);
+        }
+    }
+    /// Calls body(contact) for contacts of the last solve with the shell.
+    template <class Body>
+    void for_wall_contacts(const Body& body) const {
+        for (std::size_t n = 0; n < mesh_.contacts.size(); ++n) {
+            if (!contacts_.is_with_blade(n) && !mesh_.contacts[n].force.isZero(0.0f)) {
+                body(mesh_.contacts[n]);
+            }
+        }
+    }
+
     void set_rest(const pbd::Particles& particles) { mesh_.set_rest(particles); }
     /// [tetrahedra][Pa] and [hexahedra][Pa]
     void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra,
@@ -57,8 +82,8 @@ class Tongue {
     /// Solves for a part of a step of `dt` [s], in which `blade` moves from one pose to the other. Particles
     /// bound to bone move by `fraction` of the remaining distance to their rest position. Impulses of the
     /// blade are added to `blade_contact`.
-    void solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade,
-               const TongueContacts::Shell& shell, float dt, float fraction, BladeContact& blade_contact);
+    void solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const Walls& walls, float dt,
+               float fraction, BladeContact& blade_contact);
     /// Places the mesh's particles where they are at this fraction of the part.
     void place(pbd::Particles& particles, float share) const;
     /// Records the displacements that the substep ending at this fraction of the part applied to the mesh's
@@ -70,6 +95,8 @@ class Tongue {
   private:
     /// Sets the masses that substeps see: a particle's own stiffness over one substep.
     void set_substep_masses(pbd::Particles& particles) const;
+    /// Whether it is drawn to its rest shape.
+    [[nodiscard]] bool is_drawn() const { return away_ > relax_begin && away_ < relax_end; }
     void gather_springs(const pbd::Particles& particles);
 
     pbd::ImplicitMesh mesh_;

@@ -57,7 +57,7 @@ void TongueContacts::reset() {
     key_.clear();
 }
 
-void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade, const Shell& shell,
+void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& blade, const Walls& walls,
                           std::vector<pbd::MeshContact>& contacts) {
     last_.clear();
     for (std::size_t n = 0; n < contacts.size(); ++n) {
@@ -69,7 +69,7 @@ void TongueContacts::find(const pbd::Particles& particles, const MovingBlade& bl
     now_.clear();
     key_.clear();
     collide_blade(particles, blade);
-    collide_shell(particles, shell);
+    collide_shell(particles, walls);
     std::swap(now_, contacts);
 }
 
@@ -172,8 +172,8 @@ void TongueContacts::collide_blade(const pbd::Particles& particles, const Moving
     }
 }
 
-void TongueContacts::collide_shell(const pbd::Particles& particles, const Shell& shell) {
-    clearance_.begin(movers_.size(), shell.revision);
+void TongueContacts::collide_shell(const pbd::Particles& particles, const Walls& walls) {
+    clearance_.begin(movers_.size(), walls);
     auto last = last_.begin();  // both lists are sorted by mover
     for (std::size_t n = 0; n < movers_.size(); ++n) {
         const std::uint32_t i = movers_[n];
@@ -185,10 +185,10 @@ void TongueContacts::collide_shell(const pbd::Particles& particles, const Shell&
         const std::uint64_t key = key_of(n, shell_obstacle);
         last = std::find_if(last, last_.end(), [&](const PreviousContact& k) { return k.key >= key; });
         const bool touched = last != last_.end() && last->key == key;
-        if (!clearance_.inside(n, x, shell.distance) && !touched) {
+        if (!clearance_.inside(n, x, walls) && !touched) {
             continue;
         }
-        const DistanceSample wall = shell.distance.sample(x);
+        const DistanceSample wall = walls.sample(x);
         contact.gap = wall.distance;
         contact.normal = wall.normal;
         contact.slip = x - particles.position[i];

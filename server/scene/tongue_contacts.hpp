@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/mesh/distance_grid.hpp"
 #include "common/model/tools/tools.hpp"
 #include "server/pbd/contact/mesh_contact.hpp"
 #include "server/pbd/particles.hpp"
@@ -28,12 +27,6 @@ class TongueContacts {
         RigidTransform from, to;
     };
 
-    /// `revision` changes whenever the distances do.
-    struct Shell {
-        const DistanceGrid& distance;
-        std::uint64_t revision;
-    };
-
     using Triangle = std::array<std::uint32_t, 3>;  ///< particle indices
 
     /// The surface that the blade meets.
@@ -50,7 +43,7 @@ class TongueContacts {
 
     /// Finds the contacts at the predicted positions, and those of the last call. `contacts` holds the last
     /// call's contacts and receives the new ones, in an order that depends only on which pairs touch.
-    void find(const pbd::Particles& particles, const MovingBlade& blade, const Shell& shell,
+    void find(const pbd::Particles& particles, const MovingBlade& blade, const Walls& walls,
               std::vector<pbd::MeshContact>& contacts);
 
     /// Expected upper bound of simultaneous contacts, for reserving memory so that a step does not allocate;
@@ -68,7 +61,7 @@ class TongueContacts {
     static constexpr std::uint8_t shell_obstacle = 3;  // lower values: capsule index
 
     void collide_blade(const pbd::Particles& particles, const MovingBlade& blade);
-    void collide_shell(const pbd::Particles& particles, const Shell& shell);
+    void collide_shell(const pbd::Particles& particles, const Walls& walls);
     struct PreviousContact {
         std::uint64_t key;
         Vec3f force, slip;

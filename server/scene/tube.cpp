@@ -265,11 +265,11 @@ void TubeContact::predict(float dt, float end, const Vec3f& gravity) {
     rod_.predict(dt, gravity, interpolate(grip_from_, grip_to_, end));
 }
 
-void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end) {
-    find_clearance(shell);
+void TubeContact::project(pbd::Particles& particles, const Walls& walls, float begin, float end) {
+    find_clearance(walls);
     rod_.limit_motion(clearance_);
     for (int pass = 0; pass < passes; ++pass) {
-        collide_shell(shell);
+        collide_shell(walls);
         collide_blade(interpolate(blade_from_, blade_to_, begin), interpolate(blade_from_, blade_to_, end));
         collide_tissue(particles);
         rod_.solve(contacts_, clearance_);
@@ -287,26 +287,26 @@ void TubeContact::project(pbd::Particles& particles, const DistanceGrid& shell, 
     }
 }
 
-void TubeContact::find_clearance(const DistanceGrid& shell) {
+void TubeContact::find_clearance(const Walls& walls) {
     std::ranges::fill(clearance_, max_room);
     for (std::size_t k = 0; k < sites(); ++k) {
         const pbd::RodContact& c = contacts_[k];
-        limit_clearance(shell.distance(rod_.previous_point(c.segment, c.along)), clearance_[c.segment]);
+        limit_clearance(walls.distance(rod_.previous_point(c.segment, c.along)), clearance_[c.segment]);
     }
 }
 
-void TubeContact::collide_shell(const DistanceGrid& shell) {
+void TubeContact::collide_shell(const Walls& walls) {
     std::ranges::fill(clearance_, max_room);
     for (std::size_t k = 0; k < sites(); ++k) {
         pbd::RodContact& c = contacts_[k];
         const Vec3f p = rod_.point(c.segment, c.along);
-        const float distance = shell.distance(p);
+        const float distance = walls.distance(p);
         limit_clearance(distance, clearance_[c.segment]);
         c.gap = distance - rod_.radius();
         if (c.gap >= steady_margin && c.force.isZero(0.0f)) {
             continue;  // inactive
         }
-        press(shell.spline_sample(p), rod_.radius(), c);
+        press(walls.spline_sample(p), rod_.radius(), c);
         c.offset = -rod_.radius() * c.normal;
         c.slip = across(p - rod_.previous_point(c.segment, c.along), c.normal);
     }

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/mesh/distance_grid.hpp"
 #include "common/model/tools/tools.hpp"
 #include "server/pbd/particles.hpp"
 #include "server/pbd/rod/rod.hpp"
 #include "server/pbd/soft/soft_body.hpp"
+#include "server/scene/skeleton/wall_motion.hpp"
 
 namespace eti::scene {
 
@@ -34,7 +34,7 @@ class TubeContact {
     void predict(float dt, float end, const Vec3f& gravity);
     /// Solves rod and contacts for the substep that ends at fraction `end` of the step; moves the particles
     /// that the tube presses on.
-    void project(pbd::Particles& particles, const DistanceGrid& shell, float begin, float end);
+    void project(pbd::Particles& particles, const Walls& walls, float begin, float end);
     void finish();
 
     /// Wrench of the tube on the hand, about the grip; mean over the step's substeps.
@@ -72,8 +72,8 @@ class TubeContact {
     /// Applies the last step's contact forces on particles at the start of this one: friction builds on them.
     void warm_start();
     /// Finds how far each segment may move before any of its sites could enter the shell.
-    void find_clearance(const DistanceGrid& shell);
-    void collide_shell(const DistanceGrid& shell);
+    void find_clearance(const Walls& walls);
+    void collide_shell(const Walls& walls);
     void collide_blade(const RigidTransform& before, const RigidTransform& now);
     void collide_tissue(const pbd::Particles& particles);
     void meet(const pbd::Particles& particles, Near& near, pbd::RodContact& contact) const;

@@ -32,6 +32,7 @@ scene::Settings scene_settings(const Scenario& scenario) {
             .head_scale = limits.head_scale,
             .tongue_scale = limits.tongue_scale,
             .rigid = {},
+            .bones_yield = scenario.physics.bones_yield,
             .self_contact = scenario.physics.self_contact,
             .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,

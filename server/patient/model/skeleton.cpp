@@ -14,13 +14,17 @@ Vec3f gravity(float table_angle) {
 }
 
 BonePoses pose_bones(const Skeleton& skeleton, const Posture& posture) {
-    const float elevation = std::clamp(posture.head_elevation, 0.0f, max_head_elevation);
-    const float opening = std::clamp(posture.jaw_opening, 0.0f, max_jaw_opening);
+    return pose_joints(skeleton, {std::clamp(posture.head_elevation, 0.0f, max_head_elevation),
+                                  std::clamp(posture.jaw_opening, 0.0f, max_jaw_opening)});
+}
+
+BonePoses pose_joints(const Skeleton& skeleton, const JointPositions& joints) {
     // Patient frame: x left, y posterior, z superior. Chin-up moves anterior (-y) to superior (+z): a
     // negative rotation about x. Opening moves the chin down: a positive one.
-    const RigidTransform skull = RigidTransform::about(skeleton.neck_joint, Vec3f::UnitX(), -elevation);
-    RigidTransform jaw = RigidTransform::about(skeleton.jaw_joint, Vec3f::UnitX(), opening);
-    jaw.translation.y() -= skeleton.jaw_slide_per_radian * opening;
+    RigidTransform skull = RigidTransform::about(skeleton.neck_joint, Vec3f::UnitX(), -joints.head_elevation);
+    skull.translation.y() -= joints.head_lift;
+    RigidTransform jaw = RigidTransform::about(skeleton.jaw_joint, Vec3f::UnitX(), joints.jaw_opening);
+    jaw.translation.y() -= skeleton.jaw_slide_per_radian * joints.jaw_opening + joints.jaw_slide;
     return {RigidTransform{}, skull, skull * jaw};
 }
 

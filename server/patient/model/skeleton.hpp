@@ -21,6 +21,15 @@ using BonePoses = std::array<RigidTransform, bone_count>;
 /// ranges.
 [[nodiscard]] BonePoses pose_bones(const Skeleton& skeleton, const Posture& posture);
 
+/// Positions of the joints, without limits.
+struct JointPositions {
+    float head_elevation = 0.0f;  ///< [rad]
+    float jaw_opening = 0.0f;     ///< [rad]
+    float head_lift = 0.0f;       ///< [m], anterior
+    float jaw_slide = 0.0f;       ///< [m], anterior in the skull, in addition to that of the opening
+};
+[[nodiscard]] BonePoses pose_joints(const Skeleton& skeleton, const JointPositions& joints);
+
 /// Linear blend of the bones' transforms at a rest point.
 [[nodiscard]] inline Vec3f pose_point(const Vec3f& rest, const BoneWeights& weights, const BonePoses& bones) {
     Vec3f sum = Vec3f::Zero();

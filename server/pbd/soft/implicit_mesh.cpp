@@ -450,16 +450,7 @@ void ImplicitMesh::factorise_bodies() {
     // too stiff.
     YieldingBodies::Matrix matrix = bodies.matrix;
     for (std::size_t h = 0; h < held_.size(); ++h) {
-        const Eigen::Vector4f& square = square_[held_[h]];
-        const Eigen::Vector4f& mixed = mixed_[held_[h]];
-        Eigen::Matrix3f block;
-        block << square[0] + square[3], mixed[2], mixed[1], mixed[2], square[1] + square[3], mixed[0], mixed[1],
-            mixed[0], square[2] + square[3];
-        Eigen::Matrix<float, 3, YieldingBodies::coordinates> jacobian;
-        for (std::size_t c = 0; c < YieldingBodies::coordinates; ++c) {
-            jacobian.col(static_cast<Eigen::Index>(c)) = bodies.jacobian[h][c].head<3>();
-        }
-        matrix.noalias() += jacobian.transpose() * block * jacobian;
+        YieldingBodies::add_projected(bodies.jacobian[h], square_[held_[h]], mixed_[held_[h]], matrix);
     }
     bodies_factor_.compute(matrix);
 }

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/math/units.hpp"
 #include "common/model/pace.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/metrics/attempt.hpp"
@@ -28,6 +29,8 @@ namespace {
 constexpr int still_steps = 270;  // after the path, with the blade still
 constexpr int held_steps = 90;    // the last of these, which count
 constexpr int rest_steps = 540;   // after the blade has gone
+constexpr int lever_steps = 180;  // in which a held blade is pitched by lever_angle
+constexpr float lever_angle = 45.0f * degree;
 
 /// What a lift did to the tissue.
 struct Lift {
@@ -36,11 +39,13 @@ struct Lift {
     double tongue_force = 0.0;  // [N], the same
     double epiglottis_force = 0.0;
     double greatest_blade = 0.0, greatest_gum = 0.0, greatest_tongue = 0.0, greatest_epiglottis = 0.0;  // [N]
+    double lever_gum = 0.0;    // [N], greatest while the held blade is pitched about the upper gum
     double view = 0.0;         // [%], mean while held
     double speed = 0.0;        // [m/s], rms of tongue and epiglottis while held
     double penetration = 0.0;  // [m], of a particle's centre into the blade
     double farthest = 0.0;     // [m] from rest, three seconds after the blade has gone
     double step_ms = 0.0;      // mean processor time of a step of the path
+    scene::YieldingSkeleton::Vector bones = scene::YieldingSkeleton::Vector::Zero();  // offsets while held
 };
 
 double processor_ms() {
@@ -85,6 +90,7 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
             watched.push_back(i);
         }
     }
+    const std::vector<Vec3f> rest = p.rest;
     Lift out;
     double squared = 0.0;
     std::vector<Vec3f> last;
@@ -106,10 +112,16 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
         const double deep = penetration_of(simulation.scope(), scene.snapshot().last_free, p);
         out.penetration = std::max(out.penetration, deep);
         if (trace != nullptr && k % 18 == 0) {
-            const TissueVolume v = volume_of(tongue, p.rest, p.position, 1e-3);
-            *trace << fmt::format("{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.3f},{},{:.3f}\n",
-                                  static_cast<double>(k) / steps_per_second, blade, forces.tongue,
-                                  forces.epiglottis, forces.gum, view, v.share, v.inverted, 1e3 * deep)
+            const auto bones = scene.skeleton() == nullptr ? scene::YieldingSkeleton::Vector::Zero().eval()
+                                                           : scene.skeleton()->offset();
+            const TissueVolume v = volume_of(tongue, rest, p.position, 1e-3);
+            *trace << fmt::format(
+                          "{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.3f},{},{:.3f},"
+                          "{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}\n",
+                          static_cast<double>(k) / steps_per_second, blade, forces.tongue, forces.epiglottis,
+                          forces.gum, view, v.share, v.inverted, 1e3 * deep, bones[0] / degree,
+                          1e3f * bones[1], bones[2] / degree, 1e3f * bones[3],
+                          1e3f * bones.segment<3>(4).norm())
                    << std::flush;
         }
         if (k + held_steps >= path.size()) {
@@ -124,7 +136,19 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
         last = p.position;
     }
     out.speed = std::sqrt(squared / held_steps / static_cast<double>(watched.size())) * steps_per_second;
-    out.volume = volume_of(tongue, p.rest, p.position);
+    out.volume = volume_of(tongue, rest, p.position);
+    if (scene.skeleton() != nullptr) {
+        out.bones = scene.skeleton()->offset();
+    }
+    // As a novice who levers: the tip up, with the upper gum as the fulcrum.
+    const Vec3f fulcrum = at(scene.snapshot().landmarks, Landmark::upper_gum);
+    const RigidTransform held = path.back();
+    for (int k = 1; k <= lever_steps; ++k) {
+        const float angle = -lever_angle * static_cast<float>(k) / lever_steps;
+        inputs.laryngoscope = RigidTransform::about(fulcrum, held.rotation * Vec3f::UnitX(), angle) * held;
+        scene.step(inputs);
+        out.lever_gum = std::max(out.lever_gum, metrics::tissue_forces(scene.snapshot()).gum);
+    }
     // Out along the path, at twice its speed, and away.
     for (std::size_t k = path.size(); k > 2; k -= 2) {
         inputs.laryngoscope = path[k - 1];
@@ -152,6 +176,7 @@ Scenario scenario_of(const MatterOptions& options, const std::string& name) {
     if (options.spacing > 0.0) {
         scenario.physics.spacing = static_cast<float>(1e-3 * options.spacing);
     }
+    scenario.physics.bones_yield = scenario.physics.bones_yield || options.yield;
     return scenario;
 }
 
@@ -168,12 +193,18 @@ nlohmann::ordered_json row_of(const std::string& scenario, const std::string& me
             {"epiglottis_force_held_n", lift.epiglottis_force},
             {"blade_force_n", lift.greatest_blade},
             {"gum_force_n", lift.greatest_gum},
+            {"gum_force_lever_n", lift.lever_gum},
             {"tongue_force_n", lift.greatest_tongue},
             {"epiglottis_force_n", lift.greatest_epiglottis},
             {"view_percent", lift.view},
             {"tremble_mm_per_s", 1e3 * lift.speed},
             {"penetration_mm", 1e3 * lift.penetration},
             {"from_rest_mm", 1e3 * lift.farthest},
+            {"head_extension_deg", lift.bones[scene::YieldingSkeleton::head_extension] / degree},
+            {"head_lift_mm", 1e3f * lift.bones[scene::YieldingSkeleton::head_lift]},
+            {"jaw_opening_deg", lift.bones[scene::YieldingSkeleton::jaw_opening] / degree},
+            {"jaw_slide_mm", 1e3f * lift.bones[scene::YieldingSkeleton::jaw_slide]},
+            {"hyoid_shift_mm", 1e3f * lift.bones.segment<3>(scene::YieldingSkeleton::hyoid_left).norm()},
             {"step_ms", lift.step_ms}};
 }
 
@@ -230,7 +261,7 @@ int matter(const MatterOptions& options) {
             if (!options.trace.empty()) {
                 trace.open(options.trace);
                 trace << "time_s,blade_n,tongue_n,epiglottis_n,gum_n,view_percent,volume,inverted,"
-                         "penetration_mm\n";
+                         "penetration_mm,extension_deg,lift_mm,opening_deg,slide_mm,hyoid_mm\n";
             }
             lifts.push_back(
                 row_of(name, method, replay(scenario, patient, path, trace.is_open() ? &trace : nullptr)));
@@ -242,7 +273,8 @@ int matter(const MatterOptions& options) {
             break;
         }
     }
-    const nlohmann::ordered_json blocks = reference_blocks(options.quick);
+    const nlohmann::ordered_json blocks =
+        options.no_blocks ? nlohmann::ordered_json::array() : reference_blocks(options.quick);
     if (!options.json) {
         print(blocks);
         return 0;

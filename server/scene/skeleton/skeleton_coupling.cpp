@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/scene/skeleton/skeleton_coupling.hpp"
+
+#include <cmath>
+
+#include "common/model/pace.hpp"
+
+namespace eti::scene {
+
+namespace {
+
+// [m], by which bones move before the tissue that they hold outside the mesh follows. It wakes all tissue on
+// bone.
+constexpr float hold_distance = 50e-6f;
+constexpr float skeleton_arm = 0.1f;       // [m], of angles
+constexpr float still_bone_speed = 1e-5f;  // [m/s], or at that arm
+constexpr float counting_load = 1e-3f;     // [N], or at that arm
+
+float scale_of(int coordinate) {
+    const bool angle =
+        coordinate == YieldingSkeleton::head_extension || coordinate == YieldingSkeleton::jaw_opening;
+    return angle ? skeleton_arm : 1.0f;
+}
+
+}  // namespace
+
+SkeletonCoupling::SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue)
+    : patient_(patient), skeleton_(patient) {
+    const std::size_t count = patient.particles.size();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        hyoid_share_.push_back(skeleton_.hyoid_share(patient.particles.rest[i]));
+    }
+    std::vector<bool> in_mesh(count, false);
+    const pbd::ImplicitMesh& mesh = tissue.tongue().mesh();
+    for (const std::uint32_t k : mesh.held()) {
+        const std::uint32_t i = mesh.particles()[k];
+        in_mesh[i] = true;
+        of_mesh_.push_back({i, carrier_of(i)});
+    }
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (patient.particles.mass[i] == 0.0f && !in_mesh[i]) {
+            others_.push_back({i, carrier_of(i)});
+        }
+    }
+}
+
+void SkeletonCoupling::reset(const patient::Posture& posture, SoftTissue& tissue) {
+    skeleton_.reset(posture);
+    follow(posture, tissue);
+    solved_load_.setZero();
+}
+
+void SkeletonCoupling::follow(const patient::Posture& posture, SoftTissue& tissue) {
+    skeleton_.follow(posture);
+    tissue.pose(patient::pose_bones(patient_.skeleton, skeleton_.reachable(posture)));
+    tissue.set_bones(skeleton_.bones());
+    place(of_mesh_, tissue);
+    place(others_, tissue);
+    held_at_ = skeleton_.offset();
+}
+
+void SkeletonCoupling::place(const std::vector<Held>& held, SoftTissue& tissue) const {
+    std::vector<Vec3f>& rest = tissue.body().particles.rest;
+    for (const Held& h : held) {
+        rest[h.particle] = skeleton_.pose_point(tissue.unposed(h.particle), h.carrier);
+    }
+}
+
+void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_stiffness,
+                                    const BladeContact& blade, const PosedShell& shell,
+                                    const SoftTissue& tissue) {
+    skeleton_.unload();
+    float pressing = 0.0f;
+    Vec3f normal_force = Vec3f::Zero();
+    for (const rigid::Contact& contact : proxy.shell_contacts) {
+        pressing += contact.force;
+        normal_force += contact.force * contact.normal;
+    }
+    const Vec3f friction = proxy.shell_force - normal_force;
+    for (const rigid::Contact& contact : proxy.shell_contacts) {
+        const float share = contact.force / pressing;
+        skeleton_.add_contact(skeleton_.columns_at(contact.position, shell.carrier_of(contact.triangle)),
+                              -(contact.force * contact.normal + share * friction), contact.normal,
+                              contact_stiffness);
+    }
+    const pbd::Particles& p = tissue.body().particles;
+    const auto pass_on = [&](std::uint32_t particle, const Vec3f& force) {
+        skeleton_.add_load(skeleton_.columns_at(p.position[particle], carrier_of(particle)), force);
+    };
+    blade.for_impulses([&](std::uint32_t particle, const Vec3f& impulse) {
+        if (!tissue.tongue().moves(particle)) {
+            pass_on(particle, impulse / step_duration);
+        }
+    });
+    tissue.tongue().for_attachments([&](const pbd::ImplicitMesh::Spring& spring) {
+        const Vec3f& at = p.position[spring.particle];
+        skeleton_.add_spring(skeleton_.columns_at(at, carrier_of(spring.particle)),
+                             spring.stiffness * (at - spring.to), spring.stiffness);
+    });
+    const auto walls = shell.walls();
+    tissue.tongue().for_wall_contacts([&](const pbd::MeshContact& contact) {
+        const Vec3f& at = p.position[contact.particle[0]];
+        skeleton_.add_contact(skeleton_.columns_at(at, walls.motion->carrier_at(walls.in_grid(at))),
+                              -contact.force, contact.normal, contact.stiffness);
+    });
+}
+
+bool SkeletonCoupling::needs_step() const {
+    for (int c = 0; c < static_cast<int>(YieldingSkeleton::Bodies::coordinates); ++c) {
+        const float scale = scale_of(c);
+        // NaN must not count as still.
+        if (!(scale * std::abs(skeleton_.velocity()[c]) < still_bone_speed) ||
+            !(std::abs(skeleton_.load()[c] - solved_load_[c]) < scale * counting_load)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void SkeletonCoupling::begin_solve(SoftTissue& tissue, float dt) {
+    pbd::YieldingBodies& bodies = tissue.tongue().bodies();
+    skeleton_.write(bodies, dt);
+    bodies.jacobian.resize(of_mesh_.size());
+    for (std::size_t h = 0; h < of_mesh_.size(); ++h) {
+        bodies.jacobian[h] = skeleton_.columns(tissue.unposed(of_mesh_[h].particle), of_mesh_[h].carrier);
+    }
+    solved_load_ = skeleton_.load();
+}
+
+void SkeletonCoupling::end_solve(SoftTissue& tissue, float dt) {
+    skeleton_.advance(tissue.tongue().bodies().step, dt);
+    tissue.set_bones(skeleton_.bones());
+    place(of_mesh_, tissue);
+}
+
+bool SkeletonCoupling::has_moved(float distance, YieldingSkeleton::Vector& last) const {
+    float sum = 0.0f;
+    for (int c = 0; c < static_cast<int>(YieldingSkeleton::Bodies::coordinates); ++c) {
+        sum += scale_of(c) * std::abs(skeleton_.offset()[c] - last[c]);
+    }
+    if (sum <= distance) {
+        return false;
+    }
+    last = skeleton_.offset();
+    return true;
+}
+
+void SkeletonCoupling::hold(SoftTissue& tissue) {
+    if (!others_.empty() && has_moved(hold_distance, held_at_)) {
+        place(others_, tissue);
+        tissue.body().sleep.wake(tissue.body().particles, others_.front().particle);
+    }
+}
+
+}  // namespace eti::scene

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/scene/blade.hpp"
+#include "server/scene/posed_shell.hpp"
+#include "server/scene/skeleton/yielding_skeleton.hpp"
+#include "server/scene/snapshot.hpp"
+#include "server/scene/tissue.hpp"
+
+namespace eti::scene {
+
+/// Couples the yielding skeleton to tissue, shell and tools. The bones are unknowns of the implicit mesh's
+/// step. What presses on them otherwise enters it with the forces of the last step: the proxy on the shell,
+/// tissue outside the mesh, which passes on what it bears, and walls on which the mesh presses. Not thread
+/// safe.
+class SkeletonCoupling {
+  public:
+    SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue);
+
+    /// Both also place what the bones hold.
+    void reset(const patient::Posture& posture, SoftTissue& tissue);
+    void follow(const patient::Posture& posture, SoftTissue& tissue);
+
+    [[nodiscard]] const YieldingSkeleton& skeleton() const { return skeleton_; }
+
+    /// Gathers the loads of a step; `proxy` is that step's, `blade` and `tissue` are as of the last. A
+    /// contact of the proxy has `contact_stiffness` [N/m].
+    void gather_loads(const ProxySnapshot& proxy, float contact_stiffness, const BladeContact& blade,
+                      const PosedShell& shell, const SoftTissue& tissue);
+    /// Whether the bones move, or loads have changed since the last solve.
+    [[nodiscard]] bool needs_step() const;
+
+    /// Encloses each solve of the mesh, of `dt` [s].
+    void begin_solve(SoftTissue& tissue, float dt);
+    void end_solve(SoftTissue& tissue, float dt);
+
+    /// Whether the bones have moved by more than `distance` [m] anywhere since the `last` offsets; if so,
+    /// updates these.
+    [[nodiscard]] bool has_moved(float distance, YieldingSkeleton::Vector& last) const;
+    /// Moves tissue outside the mesh that bone holds, once the bones have moved by so much that it counts.
+    void hold(SoftTissue& tissue);
+
+  private:
+    struct Held {
+        std::uint32_t particle;
+        YieldingSkeleton::Carrier carrier;
+    };
+    [[nodiscard]] YieldingSkeleton::Carrier carrier_of(std::uint32_t particle) const {
+        return {patient_.particles.bones[particle], hyoid_share_[particle]};
+    }
+    void place(const std::vector<Held>& held, SoftTissue& tissue) const;
+
+    const patient::Patient& patient_;
+    YieldingSkeleton skeleton_;
+    std::vector<float> hyoid_share_;      // [particles]
+    std::vector<Held> of_mesh_, others_;  // particles that bone holds
+    YieldingSkeleton::Vector held_at_ = YieldingSkeleton::Vector::Zero();
+    YieldingSkeleton::Vector solved_load_ = YieldingSkeleton::Vector::Zero();
+};
+
+}  // namespace eti::scene

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+// Head, mandible and hyoid that yield: their mechanics against closed forms, the walls that go with them, and
+// the whole scene.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "common/math/random.hpp"
+#include "common/math/units.hpp"
+#include "server/scene/scene.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/coarse_newborn.hpp"
+#include "tests/support/threads.hpp"
+
+namespace eti::scene {
+namespace {
+
+using Coordinates = YieldingSkeleton::Vector;
+using Carrier = YieldingSkeleton::Carrier;
+
+constexpr Carrier on_trunk{{1.0f, 0.0f, 0.0f}, 0.0f};
+constexpr Carrier on_skull{{0.0f, 1.0f, 0.0f}, 0.0f};
+constexpr Carrier on_mandible{{0.0f, 0.0f, 1.0f}, 0.0f};
+
+/// A skeleton without tissue.
+struct BareSkeleton {
+    const patient::Patient& patient = test::coarse_newborn();
+    JointProperties at_term;
+    float size = std::cbrt(test::coarse_newborn().weight / 3.5f);
+    YieldingSkeleton skeleton;
+
+    explicit BareSkeleton(const JointProperties& properties = {})
+        : at_term(properties), skeleton(test::coarse_newborn(), properties) {}
+
+    void step(float dt) {
+        pbd::YieldingBodies bodies;
+        skeleton.write(bodies, dt);
+        skeleton.advance(bodies.matrix.ldlt().solve(bodies.force), dt);
+    }
+    /// Until it rests under a force [N] on a point [m] that moves with the bones.
+    void settle(const Vec3f& rest, const Carrier& carrier, const Vec3f& force) {
+        for (int k = 0; k < 4000; ++k) {
+            skeleton.unload();
+            skeleton.add_load(skeleton.columns(rest, carrier), force);
+            step(step_duration);
+        }
+    }
+    [[nodiscard]] float offset(YieldingSkeleton::Coordinate c) const { return skeleton.offset()[c]; }
+    [[nodiscard]] float gape() const {
+        return (skeleton.pose_point(rest_of(patient, Landmark::lower_gum), on_mandible) -
+                skeleton.pose_point(rest_of(patient, Landmark::upper_gum), on_skull))
+            .norm();
+    }
+};
+
+TEST(YieldingSkeleton, JacobianIsTheDerivativeOfThePose) {
+    BareSkeleton bare;
+    bare.skeleton.reset({20.0f * degree, 15.0f * degree, 0.0f});
+    Coordinates away;
+    away << 0.1f, 2e-3f, 0.05f, 3e-3f, 1e-3f, -2e-3f, 1.5e-3f;
+    bare.skeleton.advance(away, 1.0f);
+    Random random(3);
+    for (int n = 0; n < 20; ++n) {
+        const auto share = [&] { return random.uniform(); };
+        Carrier carrier{{share(), share(), share()}, 0.5f * share()};
+        const float sum = carrier.bones[0] + carrier.bones[1] + carrier.bones[2];
+        for (float& weight : carrier.bones) {
+            weight /= sum;
+        }
+        const Vec3f rest(0.04f * share() - 0.02f, 0.05f * share(), 0.08f * share() - 0.05f);
+        const pbd::YieldingBodies::Columns columns = bare.skeleton.columns(rest, carrier);
+        for (int c = 0; c < Coordinates::SizeAtCompileTime; ++c) {
+            constexpr float h = 1e-2f;
+            YieldingSkeleton ahead = bare.skeleton;
+            YieldingSkeleton behind = bare.skeleton;
+            ahead.advance(h * Coordinates::Unit(c), 1.0f);
+            behind.advance(-h * Coordinates::Unit(c), 1.0f);
+            const Vec3f slope =
+                (ahead.pose_point(rest, carrier) - behind.pose_point(rest, carrier)) / (2.0f * h);
+            // A central difference over 0.01 rad is off by 2e-5 of the arm.
+            EXPECT_LT((slope - columns[static_cast<std::size_t>(c)].head<3>()).norm(), 1e-4f)
+                << "coordinate " << c;
+        }
+    }
+}
+
+TEST(YieldingSkeleton, JawYieldsByForceOverStiffness) {
+    BareSkeleton bare;
+    const Vec3f chin = rest_of(bare.patient, Landmark::lower_gum);
+    // Along the line through the joint the force only slides the jaw forwards.
+    const Vec3f joint = bare.patient.skeleton.jaw_joint;
+    const Vec3f at_joint(0.0f, chin.y(), joint.z());
+    bare.settle(at_joint, on_mandible, {0.0f, -3.0f, 0.0f});
+    const float slide = bare.at_term.jaw_slide * bare.size;
+    EXPECT_NEAR(bare.offset(YieldingSkeleton::jaw_slide), 3.0f / slide, 0.02f * 3.0f / slide);
+    // A force of 0.3 N across its arm opens it by torque over stiffness.
+    BareSkeleton opened;
+    opened.settle(chin, on_mandible, {0.0f, 0.0f, -0.3f});
+    const float torsion = opened.at_term.jaw_opening * std::pow(opened.size, 3.0f);
+    const float torque = opened.skeleton.load()[YieldingSkeleton::jaw_opening];
+    EXPECT_NEAR(torque, 0.3f * (joint.y() - chin.y()), 0.1f * torque);
+    EXPECT_NEAR(opened.offset(YieldingSkeleton::jaw_opening), torque / torsion, 1e-3f * torque / torsion);
+}
+
+// Neonates open by 22.0 mm (20.4-23.6 mm) under slight finger pressure; no force opens them much wider.
+TEST(YieldingSkeleton, MouthOpensToThePublishedGape) {
+    const Vec3f lower = rest_of(test::coarse_newborn(), Landmark::lower_gum);
+    const Vec3f upper = rest_of(test::coarse_newborn(), Landmark::upper_gum);
+    for (const float force : {2.5f, 5.0f, 20.0f}) {
+        BareSkeleton bare;
+        for (int k = 0; k < 4000; ++k) {
+            const YieldingSkeleton& skeleton = bare.skeleton;
+            const Vec3f apart =
+                force * bare.size *
+                (skeleton.pose_point(lower, on_mandible) - skeleton.pose_point(upper, on_skull)).normalized();
+            bare.skeleton.unload();
+            bare.skeleton.add_load(skeleton.columns(lower, on_mandible), apart);
+            bare.skeleton.add_load(skeleton.columns(upper, on_skull), -apart);
+            bare.step(step_duration);
+        }
+        EXPECT_GT(bare.gape(), 20.4e-3f * bare.size) << force << " N";
+        EXPECT_LT(bare.gape(), 25.5e-3f * bare.size) << force << " N";
+    }
+}
+
+TEST(YieldingSkeleton, HeadLeavesTheTableUnderMoreThanItsWeight) {
+    const auto pulled = [](float share_of_weight) {
+        BareSkeleton bare;
+        const float weight = 9.81f * bare.at_term.head_mass * std::pow(bare.size, 3.0f);
+        const Vec3f above_occiput =
+            bare.patient.skeleton.neck_joint + Vec3f(0.0f, 0.0f, bare.size * bare.at_term.occiput);
+        bare.settle(above_occiput, on_trunk, Vec3f::Zero());
+        for (int k = 0; k < 20000; ++k) {
+            bare.skeleton.unload();
+            bare.skeleton.add_load(bare.skeleton.columns_at(above_occiput, on_skull),
+                                   {0.0f, -share_of_weight * weight, 0.0f});
+            bare.step(step_duration);
+        }
+        return std::pair(bare.offset(YieldingSkeleton::head_lift), weight);
+    };
+    const BareSkeleton bare;
+    const auto [held, weight] = pulled(0.8f);
+    EXPECT_LT(held, weight / bare.at_term.mattress);
+    const auto [lifted, same] = pulled(1.2f);
+    const float expected = 0.2f * weight / (bare.at_term.neck_lift * bare.size);
+    EXPECT_NEAR(lifted, expected, 0.02f * expected);
+}
+
+TEST(YieldingSkeleton, SwingsAtItsNaturalFrequency) {
+    JointProperties undamped;
+    undamped.relaxation = 0.0f;
+    undamped.jaw_slide_stop = 0.0f;
+    BareSkeleton bare(undamped);
+    const float stiffness = undamped.jaw_slide * bare.size;
+    const float mass = undamped.jaw_mass * std::pow(bare.size, 3.0f);
+    constexpr float dt = 2e-6f;
+    bare.skeleton.advance(1e-3f * Coordinates::Unit(YieldingSkeleton::jaw_slide), 1e9f);
+    float time = 0.0f;
+    while (bare.offset(YieldingSkeleton::jaw_slide) > 0.0f && time < 1.0f) {
+        bare.step(dt);
+        time += dt;
+    }
+    const float quarter = 0.5f * std::numbers::pi_v<float> * std::sqrt(mass / stiffness);
+    EXPECT_NEAR(time, quarter, 0.01f * quarter);
+}
+
+TEST(WallMotion, WallsAreWhereTheirBonesAre) {
+    BareSkeleton bare;
+    const patient::Posture posture{20.0f * degree, 15.0f * degree, 0.0f};
+    bare.skeleton.reset(posture);
+    PosedShell shell(bare.patient, bare.skeleton.bones(), &bare.skeleton);
+    const DistanceGrid before = shell.distance();
+    Coordinates offset;
+    offset << 0.06f, 3e-3f, 0.08f, 4e-3f, 0.0f, -3e-3f, 0.0f;
+    bare.skeleton.advance(offset, 1.0f);
+    shell.yield();
+    EXPECT_GT(shell.walls().travel(), 5e-3f);
+    // Every vertex lies on its wall, up to the lattice's and the grid's resolution; before it did not.
+    double squared = 0.0;
+    double unmoved = 0.0;
+    for (const Vec3f& vertex : shell.vertices()) {
+        squared += std::pow(static_cast<double>(shell.walls().distance(vertex)), 2.0);
+        unmoved += std::pow(static_cast<double>(before.distance(vertex)), 2.0);
+    }
+    const auto count = static_cast<double>(shell.vertices().size());
+    EXPECT_LT(std::sqrt(squared / count), 0.4e-3);
+    EXPECT_GT(std::sqrt(unmoved / count), 1e-3);
+}
+
+class SceneSkeletonTest : public ::testing::TestWithParam<TissueMethod> {
+  protected:
+    SceneSkeletonTest() {
+        away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
+        away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
+        away_.runtime_parameters.head_elevation = 20.0f * degree;
+        away_.runtime_parameters.jaw_opening = 15.0f * degree;
+    }
+    [[nodiscard]] Scene make(bool yields = true) const {
+        return {test::coarse_newborn(), scope_, Tube{}, away_,
+                Settings{.tissue_method = GetParam(), .rigid = {}, .bones_yield = yields}};
+    }
+    /// The blade in the mouth, its tip over the tongue's highest point and `depth` [m] lower.
+    [[nodiscard]] Inputs pressing(float depth) const {
+        static const Vec3f dorsum = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
+        Inputs inputs = away_;
+        const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
+        const Vec3f tip = dorsum + Vec3f(0.0f, 0.0f, 6e-3f - depth);
+        inputs.laryngoscope = {turn, tip - turn * scope_.tip()};
+        return inputs;
+    }
+    void press(Scene& scene, float depth) const {
+        scene.place_laryngoscope(pressing(0.0f).laryngoscope);
+        for (int k = 0; k < 120; ++k) {
+            scene.step(pressing(depth * std::min(1.0f, static_cast<float>(k) / 60.0f)));
+        }
+    }
+    Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
+    Inputs away_;
+};
+
+TEST_P(SceneSkeletonTest, UntouchedBonesRestAndSleep) {
+    Scene scene = make();
+    for (int k = 0; k < 60; ++k) {
+        scene.step(away_);
+    }
+    EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 1e-5f);
+    EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
+}
+
+TEST_P(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
+    Scene scene = make();
+    press(scene, 14e-3f);
+    const Coordinates pressed = scene.skeleton()->offset();
+    EXPECT_GT(pressed[YieldingSkeleton::jaw_opening], 8e-3f) << pressed.transpose();
+    EXPECT_LT(pressed.cwiseAbs().maxCoeff(), 0.3f) << pressed.transpose();
+    scene.place_laryngoscope(away_.laryngoscope);
+    for (int k = 0; k < 900; ++k) {
+        scene.step(away_);
+    }
+    EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 0.02f);
+}
+
+TEST_P(SceneSkeletonTest, YieldingBonesTakeForceOffTheBlade) {
+    const auto force = [&](bool yields) {
+        Scene scene = make(yields);
+        press(scene, 14e-3f);
+        return scene.snapshot().tissue_force.norm() + scene.snapshot().shell_force.norm();
+    };
+    const float held = force(false);
+    EXPECT_GT(held, 1.0f);
+    const float yielding = force(true);
+    EXPECT_LT(yielding, 0.9f * held);
+}
+
+TEST_P(SceneSkeletonTest, ThreadsDoNotChangeBits) {
+    const auto hash = [&](std::size_t threads) {
+        return test::with_threads(threads, [&] {
+            Scene scene = make();
+            press(scene, 8e-3f);
+            return scene.state_hash();
+        });
+    };
+    EXPECT_EQ(hash(1), hash(4));
+}
+
+TEST_P(SceneSkeletonTest, StepsDoNotAllocate) {
+    Scene scene = make();
+    press(scene, 8e-3f);
+    const Inputs held = pressing(8e-3f);
+    scene.step(held);
+    const long before = test::allocations();
+    scene.step(held);
+    EXPECT_EQ(test::allocations(), before);
+}
+
+// As a jaw that hands hold open, let go, shut and thrown open again within a step each.
+TEST_P(SceneSkeletonTest, JawThrownAboutComesToRest) {
+    Settings settings{.tissue_method = GetParam(), .rate_scale = 1000.0f, .rigid = {}, .bones_yield = true};
+    Scene scene(test::coarse_newborn(), scope_, Tube{}, away_, settings);
+    for (const float opening : {0.0f, 35.0f, 0.0f, 15.0f}) {
+        Inputs inputs = away_;
+        inputs.runtime_parameters.jaw_opening = opening * degree;
+        for (int k = 0; k < 30; ++k) {
+            scene.step(inputs);
+            ASSERT_TRUE(scene.skeleton()->offset().allFinite());
+            ASSERT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 0.5f);
+        }
+    }
+    for (int k = 0; k < 540; ++k) {
+        scene.step(away_);
+    }
+    EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 2e-3f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, SceneSkeletonTest,
+                         ::testing::Values(TissueMethod::implicit, TissueMethod::hexahedra),
+                         [](const auto& method) { return std::string(name_of(method.param)); });
+
+}  // namespace
+}  // namespace eti::scene
