@@ -3,6 +3,7 @@
 #include "server/scene/posed_shell.hpp"
 
 #include <cmath>
+#include <mutex>
 
 #include "common/mesh/distance.hpp"
 
@@ -24,6 +25,21 @@ DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
         size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
     }
     return mesh_distance(mesh, low, spacing, size, PosedShell::band);
+}
+
+/// As distance_of(), which takes most of a scene's construction. Keeps the last grid of the process (about 5
+/// MB): the next scene is often in the same posture, as when a scenario is repeated. Any thread may call it.
+DistanceGrid kept_distance_of(const TriangleMesh& mesh, float spacing) {
+    static std::mutex mutex;
+    static TriangleMesh last_mesh;
+    static DistanceGrid last;
+    const std::scoped_lock lock(mutex);
+    if (last.spacing != spacing || last_mesh.vertices != mesh.vertices ||
+        last_mesh.triangles != mesh.triangles) {
+        last = distance_of(mesh, spacing);
+        last_mesh = mesh;
+    }
+    return last;
 }
 
 }  // namespace
@@ -72,8 +88,9 @@ void PosedShell::pose_now(const patient::BonePoses& bones) {
     if (pending_.valid()) {
         pending_.get();
     }
-    start();
-    take();
+    distance_ = kept_distance_of({vertices_, patient_.shell.mesh.triangles}, patient_.shell.distance.spacing);
+    stale_ = false;
+    ++revision_;
 }
 
 void PosedShell::advance() {
