@@ -28,6 +28,7 @@ endif()
 # compile options or definitions of its own is compiled separately, as is one whose SKIP_UNITY_BUILD_INCLUSION is set.
 function(eti_unity target batch)
   get_target_property(sources ${target} SOURCES)
+  list(FILTER sources EXCLUDE REGEX "/allocations\\.cpp$")  # compiled separately, see eti_test()
   list(LENGTH sources count)
   if(ETI_UNITY AND count GREATER 1)
     math(EXPR batches "(${count} + ${batch} - 1) / ${batch}")

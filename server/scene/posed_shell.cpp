@@ -3,6 +3,7 @@
 #include "server/scene/posed_shell.hpp"
 
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -27,6 +28,21 @@ DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
         size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
     }
     return mesh_distance(mesh, low, spacing, size, PosedShell::band);
+}
+
+/// As distance_of(), which takes most of a scene's construction. Keeps the last grid of the process (about 5
+/// MB): the next scene is often in the same posture, as when a scenario is repeated. Any thread may call it.
+DistanceGrid kept_distance_of(const TriangleMesh& mesh, float spacing) {
+    static std::mutex mutex;
+    static TriangleMesh last_mesh;
+    static DistanceGrid last;
+    const std::scoped_lock lock(mutex);
+    if (last.spacing != spacing || last_mesh.vertices != mesh.vertices ||
+        last_mesh.triangles != mesh.triangles) {
+        last = distance_of(mesh, spacing);
+        last_mesh = mesh;
+    }
+    return last;
 }
 
 }  // namespace
@@ -104,14 +120,21 @@ void PosedShell::pose_now(const patient::BonePoses& bones) {
     const std::vector<Vec3f> before = vertices_;
     move(bones);
     if (grid_is_of_mesh && vertices_ == before) {  // as after a reset: nothing to compute
+        if (skeleton_ != nullptr) {
+            motion_.update(*skeleton_);
+        }
         ++revision_;
         return;
     }
     if (pending_.valid()) {
         pending_.get();
     }
-    start();
-    take();
+    distance_ = kept_distance_of({vertices_, patient_.shell.mesh.triangles}, patient_.shell.distance.spacing);
+    if (skeleton_ != nullptr) {
+        motion_ = WallMotion(vertices_, carriers_, *skeleton_);
+    }
+    stale_ = false;
+    ++revision_;
 }
 
 void PosedShell::advance() {

@@ -44,6 +44,10 @@ PATIENCE = 120  # [s]: a wait ends with its event, and only a hanging program ta
 # The term scenario on particles of 3 mm, for tests that do not depend on the tissue.
 COARSE_TERM = ROOT / "deploy/data/studies/patients/term_3500.yaml"
 
+# For sessions of which nobody looks at the clients' pictures: further arguments of session_run.Session's clients. In
+# software, drawing takes most of the processor.
+SMALL_PICTURES = {client: ["--size", "320x180", "--no-video"] for client in ("trainee", "observer")}
+
 # Table 2 of the paper, by the names of JSON and session file.
 PAPER_PARAMETERS = {
     "gum_force_n": ("max", "mean"), "blade_depth_cm": ("max", "mean"), "pitch_peaks": (), "yaw_peaks": (),

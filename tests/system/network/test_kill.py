@@ -22,7 +22,7 @@ class Kill(support.Case):
         super().setUp()
         self.said = []
         self.session = session_run.Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION,
-                                           say=self.said.append)
+                                           extra=support.SMALL_PICTURES, say=self.said.append)
         self.addCleanup(self.session.finish)
         self.session.start()
         self.others = dict(self.session.programs)

@@ -42,6 +42,8 @@ class Security(support.Programs):
 
     def test_complete_session_runs_with_own_identities(self):
         extra = {program: ["--identity", self.lab / identity] for program, identity in IDENTITIES.items()}
+        for client in support.SMALL_PICTURES:
+            extra[client] += support.SMALL_PICTURES[client]
         session = Session(support.BIN, self.folder, domain=support.DOMAIN, name=support.SESSION, extra=extra,
                           say=lambda text: None)
         self.assert_session_succeeds(session)

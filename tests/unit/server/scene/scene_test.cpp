@@ -28,7 +28,8 @@ class SceneTest : public ::testing::Test {
         away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
         away_.runtime_parameters.head_elevation = 20.0f * degree;
         away_.runtime_parameters.jaw_opening = 25.0f * degree;
-        tongue_ = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
+        static const Vec3f tongue = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
+        tongue_ = tongue;
     }
 
     [[nodiscard]] Scene make(const Settings& settings = {}) const {
