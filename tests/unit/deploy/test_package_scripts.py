@@ -76,6 +76,13 @@ class PackageScripts(unittest.TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertIn(expected, done.stderr)
 
+    def test_bare_system_trial_needs_a_compiler_cache(self):
+        self.program("id", "echo 0")
+        self.program("unshare", "exit 0")
+        done = self.run_script("try_bare.sh", "--no-install", "--mirror", "http://localhost", "--cache", self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(f"--cache {self.folder}: no compiler cache", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()
