@@ -7,8 +7,6 @@
 #include <imgui.h>
 
 #include <filesystem>
-#include <iterator>
-#include <numeric>
 #include <stdexcept>
 
 namespace eti::panel {
@@ -56,9 +54,6 @@ Canvas::Canvas() {
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
-    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
-    // Without a window there is no key map; Dear ImGui still requires one.
-    std::iota(std::begin(io.KeyMap), std::end(io.KeyMap), 0);
     const bool drawable = ImGui_ImplOpenGL3_Init("#version 330 core");
     if (!drawable) {
         ImGui::DestroyContext(context_);
@@ -84,6 +79,9 @@ Canvas::~Canvas() {
 
 void Canvas::attach(GLFWwindow* window) {
     const ContextScope use(*this);
+    // Only with a window: Dear ImGui before 1.87 then requires a map of keys, which comes with the window's,
+    // and later versions abort at the first key if one was set here.
+    ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
     attached_ = ImGui_ImplGlfw_InitForOpenGL(window, true);
 }
 
