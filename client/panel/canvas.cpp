@@ -7,6 +7,8 @@
 #include <imgui.h>
 
 #include <filesystem>
+#include <iterator>
+#include <numeric>
 #include <stdexcept>
 
 namespace eti::panel {
@@ -54,6 +56,12 @@ Canvas::Canvas() {
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+#if IMGUI_VERSION_NUM < 18700
+    // Without a window there is no key map; Dear ImGui still requires one. Later versions need none, and
+    // abort at the first key beside one.
+    std::iota(std::begin(io.KeyMap), std::end(io.KeyMap), 0);
+#endif
     const bool drawable = ImGui_ImplOpenGL3_Init("#version 330 core");
     if (!drawable) {
         ImGui::DestroyContext(context_);
@@ -79,9 +87,6 @@ Canvas::~Canvas() {
 
 void Canvas::attach(GLFWwindow* window) {
     const ContextScope use(*this);
-    // Only with a window: Dear ImGui before 1.87 then requires a map of keys, which comes with the window's,
-    // and later versions abort at the first key if one was set here.
-    ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
     attached_ = ImGui_ImplGlfw_InitForOpenGL(window, true);
 }
 
