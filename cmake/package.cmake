@@ -87,7 +87,15 @@ certify skill.")
           DESTINATION share/doc/${name} COMPONENT ${component})
 endmacro()
 
-set(ours "(= ${PROJECT_VERSION})")
+# Packages of two releases of Debian differ in their libraries, so also in their version: an upgrade of the system then
+# upgrades them. On other systems the version has no suffix.
+cmake_host_system_information(RESULT distribution QUERY DISTRIB_ID DISTRIB_VERSION_ID)
+set(CPACK_DEBIAN_PACKAGE_VERSION ${PROJECT_VERSION})
+if(distribution MATCHES "^debian;([0-9]+)$")
+  string(APPEND CPACK_DEBIAN_PACKAGE_VERSION "+deb${CMAKE_MATCH_1}")
+endif()
+
+set(ours "(= ${CPACK_DEBIAN_PACKAGE_VERSION})")
 eti_package(data "scenarios, operators and profiles of the newborn-intubation simulator"
             DEPENDS "systemd-standalone-sysusers | systemd-sysusers" RECOMMENDS "openssl, python3")
 eti_package(server "physics server of the newborn-intubation simulator" ANY

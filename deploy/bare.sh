@@ -9,10 +9,11 @@
 # bare_release NAME: makes the system of this release, by code name or number. By default it is this machine's.
 bare_release() {
     case $1 in
-        12 | bookworm) BARE_RELEASE=bookworm BARE_NAME="Debian 12" ;;
-        13 | trixie) BARE_RELEASE=trixie BARE_NAME="Debian 13" ;;
+        12 | bookworm) BARE_RELEASE=bookworm BARE_NUMBER=12 ;;
+        13 | trixie) BARE_RELEASE=trixie BARE_NUMBER=13 ;;
         *) eti_fail "--release is '$1'; expected 12, 13, bookworm or trixie" ;;
     esac
+    BARE_NAME="Debian $BARE_NUMBER"
 }
 
 # This machine's apt mirror of Debian's main section, which has every release.

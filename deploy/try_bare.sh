@@ -12,7 +12,7 @@ USER_THERE=trainee
 usage() {
     cat <<USAGE
 Usage: deploy/try_bare.sh [--as root|user]... [--only demo|test]... [--release NAME] [--mirror URL] [--logs DIR]
-                          [--no-install]
+                          [--cache DIR] [--no-install]
 Creates a bare Debian (debootstrap, minbase) in a temporary folder and runs deploy/demo.sh and deploy/test.sh of this
 checkout in it, without a display: as root in a folder without .git, as from an archive; and, in another such system, as
 a user who may use sudo, whose home is read-only and whose clone lies in a folder with a space in its name. The user's
@@ -66,10 +66,11 @@ run_command() {
 }
 
 inside() {
-    local base=$1 release=$2 mirror=$3 logs=$4 whom=$5 scripts=$6 system folder who script bare rows=() failures=0
+    local base=$1 release=$2 mirror=$3 logs=$4 whom=$5 scripts=$6 cache=$7 system folder who script bare rows=() failures=0
     bare_release "$release"
     eti_say "== A bare $BARE_NAME from $mirror"
     bare_make "$base" "$mirror"
+    [ -z "$cache" ] || { mkdir -p "$base/root/.cache" && cp -r "$cache" "$base/root/.cache/ccache"; } || exit 1
     for who in $whom; do
         system=$base-$who folder="/root/neoeti"
         cp -a "$base" "$system" && bare_mount "$system" || exit 1
@@ -86,9 +87,11 @@ inside() {
         copy_checkout "$system$folder" "$([ "$who" = user ] && echo yes || echo no)" ||
             eti_fail "this checkout cannot be copied to $system$folder"
         if [ "$who" = user ]; then
-            if [ -d "$base-root/root/.cache/ccache" ]; then
-                mkdir -p "$system$folder/build" && cp -r "$base-root/root/.cache/ccache" "$system$folder/build/ccache"
-            fi
+            for cache in "$base-root" "$base"; do
+                [ -d "$cache/root/.cache/ccache" ] || continue
+                mkdir -p "$system$folder/build" && cp -r "$cache/root/.cache/ccache" "$system$folder/build/ccache"
+                break
+            done
             bare_run chown -R $USER_THERE: "$folder" && bare_run chown root: "/home/$USER_THERE" &&
                 bare_run chmod 555 "/home/$USER_THERE"
         fi
@@ -108,10 +111,10 @@ if [ "${1:-}" = --inside ]; then
     exit
 fi
 
-whom=() scripts=() release='' mirror='' logs=$ETI_ROOT/out/try_bare install=yes
+whom=() scripts=() release='' mirror='' logs=$ETI_ROOT/out/try_bare cache='' install=yes
 while [ $# -gt 0 ]; do
     case $1 in
-        --as | --only | --release | --mirror | --logs)
+        --as | --only | --release | --mirror | --logs | --cache)
             [ $# -ge 2 ] || eti_fail "$1 wants a value; see --help"
             case $1=$2 in
                 --as=root | --as=user) whom+=("$2") ;;
@@ -119,6 +122,7 @@ while [ $# -gt 0 ]; do
                 --release=*) release=$2 ;;
                 --mirror=*) mirror=$2 ;;
                 --logs=*) logs=$2 ;;
+                --cache=*) cache=$2 ;;
                 *) eti_fail "$1 is '$2'; expected $([ "$1" = --as ] && echo "root or user" || echo "demo or test")" ;;
             esac
             shift
@@ -137,6 +141,9 @@ bare_release "$release"
 [ $install = yes ] && eti_install bare
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
+[ -z "$cache" ] || [ -f "$cache/ccache.conf" ] || [ -d "$cache/0" ] ||
+    eti_fail "--cache $cache: no compiler cache is there; name ccache's folder, as 'ccache --get-config cache_dir' prints it"
 mkdir -p "$logs" || eti_fail "cannot create $logs; choose another folder with --logs"
-bare_enter bare "$BARE_RELEASE" "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" || exit 1
+bare_enter bare "$BARE_RELEASE" "$mirror" "$(realpath "$logs")" "${whom[*]}" "${scripts[*]}" \
+    "${cache:+$(realpath "$cache")}" || exit 1
 eti_say "On a bare $BARE_NAME every command passed."

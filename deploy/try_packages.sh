@@ -94,6 +94,12 @@ bare_release "$release"
 [ $install = yes ] && eti_install package
 mirror=${mirror:-$(bare_mirror_of_apt)}
 bare_check "$mirror"
-ls "$packages"/neoeti*.deb >/dev/null 2>&1 || "$ETI_ROOT/deploy/package.sh" --out "$packages" >/dev/null || exit 1
+ls "$packages"/neoeti*.deb >/dev/null 2>&1 ||
+    "$ETI_ROOT/deploy/package.sh" --out "$packages" $([ $install = yes ] || echo --no-install) >/dev/null || exit 1
+# cmake/package.cmake adds the release to the version.
+ls "$packages"/neoeti_*"+deb${BARE_NUMBER}_"*.deb >/dev/null 2>&1 ||
+    eti_fail "the packages in $packages were not built on $BARE_NAME: expected" \
+             "neoeti_VERSION+deb${BARE_NUMBER}_all.deb, found $(cd "$packages" && ls neoeti_*.deb 2>/dev/null || echo none)." \
+             "Remedy: build them there with deploy/package.sh, or name their own release with --release."
 bare_enter packages "$BARE_RELEASE" "$(realpath "$packages")" "$mirror" || exit 1
 eti_say "The packages install on a bare $BARE_NAME, the demo runs from them, and they leave nothing behind."

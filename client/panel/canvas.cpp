@@ -57,8 +57,11 @@ Canvas::Canvas() {
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
     io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
-    // Without a window there is no key map; Dear ImGui still requires one.
+#if IMGUI_VERSION_NUM < 18700
+    // Without a window there is no key map; Dear ImGui still requires one. Later versions need none, and
+    // abort at the first key beside one.
     std::iota(std::begin(io.KeyMap), std::end(io.KeyMap), 0);
+#endif
     const bool drawable = ImGui_ImplOpenGL3_Init("#version 330 core");
     if (!drawable) {
         ImGui::DestroyContext(context_);

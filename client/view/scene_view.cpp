@@ -44,7 +44,7 @@ bool SceneView::apply(const msg::SessionDescription& message) {
     if (!keys->key_mismatch().empty()) {
         spdlog::warn("{}", keys->key_mismatch());
     }
-    keys_ = std::move(keys);
+    keys_ = std::move(*keys);
     liquid_detail_.set_kind(properties_of(keys_->liquid()));
     description_ = message;
     scenario_ = shown_scenario(message.scenario_text());

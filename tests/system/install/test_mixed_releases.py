@@ -14,6 +14,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import numpy
+
 import support
 from session_run import Session
 
@@ -21,6 +23,10 @@ OTHER_ROOT = os.environ.get("ETI_OTHER_ROOT", "")
 OTHER_BIN = os.environ.get("ETI_OTHER_BIN", str(support.ROOT / "build/release/bin"))
 PROGRAMS = {"server": "eti-server", "haptics": "eti-haptics", "tracker": "eti-tracker", "controller": "eti-controller",
             "client": "eti-client"}
+
+STEPS = 1260  # seven seconds: the blade lifts
+LIKE = 0.001  # share of pixels
+CHANGE = 24  # of 255, threshold for a change, as for golden pictures
 
 # Runs a program in the other root, with this system's processes, devices and temporary folder, in a mount namespace that
 # ends with it. `exec` throughout: the program keeps the process's number, and receives its signals.
@@ -78,6 +84,33 @@ class MixedReleases(support.Case):
 
     def test_clients_of_the_other(self):
         self.run_session("client")
+
+    def test_clients_of_both_draw_same_pictures(self):
+        """The last moment of an attempt, by each release's Mesa."""
+        bus = ["--session", support.SESSION, "--domain", str(support.DOMAIN)]
+        clients = {}
+        for name, folder in (("own", support.BIN), ("other", self.mixed("client"))):
+            out = self.folder / name
+            clients[out] = subprocess.Popen(
+                [folder / "eti-client", "--instructor", "--offscreen", out, "--every", "0", "--no-video", "--size", "480x360",
+                 "--wait", str(support.SECONDS_TO_START), *bus], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+            self.addCleanup(clients[out].wait)
+            self.addCleanup(clients[out].kill)
+        done = support.run("eti-server", "--scenario", support.COARSE_TERM, "--operator", "expert", "--steps", STEPS, *bus,
+                           timeout=support.SECONDS_TO_START + support.PATIENCE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        own, other = (self.final_pictures(out, client) for out, client in clients.items())
+        self.assertEqual(set(own), set(other))
+        self.assertGreaterEqual(len(own), 4)
+        for view, picture in own.items():
+            apart = (numpy.abs(other[view] - picture).max(axis=2) > CHANGE).mean()
+            self.assertLess(apart, LIKE, view)
+            self.assertGreater(picture.std(), 10.0, f"{view}: nothing is drawn")
+
+    def final_pictures(self, out, client):
+        self.assertEqual(client.wait(support.PATIENCE), 0, f"the client that draws into {out.name}")
+        return {file.name.split("_final_")[0]: support.read_picture(file).astype(int)
+                for file in out.glob("*_final_*.png")}
 
     def test_server_of_the_other(self):
         self.run_session("server")

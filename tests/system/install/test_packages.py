@@ -16,6 +16,8 @@ from support import ROOT, Case
 # Programs that run scripts of this tree.
 IN_TREE = {"eti-bench-bus"}
 BUILD_VERSION = re.search(r"VERSION (\S+) DESC", (ROOT / "CMakeLists.txt").read_text()).group(1)
+# With the release of Debian that the packages are for.
+PACKAGE_VERSION = f"{BUILD_VERSION}+deb{platform.freedesktop_os_release()['VERSION_ID']}"
 # Libraries whose package is named after their version, by release.
 LIBRARIES = {
     "bookworm": {"server": ["libfastrtps2.9", "libbullet3.24", "libhdf5-103-1", "libyaml-cpp0.7"],
@@ -72,9 +74,13 @@ class Packages(Case):
 
     def test_control_fields_declare_dependencies(self):
         for name, file in self.packages.items():
-            self.assertEqual(field(file, "Version"), BUILD_VERSION)
+            self.assertEqual(field(file, "Version"), PACKAGE_VERSION)
+            self.assertIn(f"_{PACKAGE_VERSION}_", file.name)
             self.assertEqual(field(file, "Architecture") == "all", name[7:] not in COMPILED, name)
             self.assertLess(len(field(file, "Description").splitlines()[0]), 80)
+            for part in field(file, "Depends").split(", "):
+                if part.startswith("neoeti"):
+                    self.assertTrue(part.endswith(f" (= {PACKAGE_VERSION})"), f"{name} depends on {part}")
         for package, needed in {
             "neoeti-server": [*LIBRARIES["server"], "libtbb12"],
             "neoeti-client": [*LIBRARIES["client"], "libepoxy0", "libgl1-mesa-dri", "libegl1", "libopenxr-loader1"],

@@ -60,11 +60,28 @@ class PackageScripts(unittest.TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertIn("--mirror", done.stderr)
 
+    def test_trial_install_refuses_another_release(self):
+        self.program("id", "echo 0")
+        self.program("unshare", "exit 0")
+        (self.folder / "neoeti_0.1.0+deb12_all.deb").touch()
+        done = self.run_script("try_packages.sh", "--no-install", "--packages", self.folder, "--release", "13",
+                               "--mirror", "http://localhost")
+        self.assertEqual(done.returncode, 1)
+        for part in ("not built on Debian 13", "found neoeti_0.1.0+deb12_all.deb", "--release"):
+            self.assertIn(part, done.stderr)
+
     def test_bare_system_trial_lists_valid_users_and_parts(self):
         for option, value, expected in (("--as", "guest", "root or user"), ("--only", "lab", "demo or test")):
             done = self.run_script("try_bare.sh", option, value)
             self.assertEqual(done.returncode, 1)
             self.assertIn(expected, done.stderr)
+
+    def test_bare_system_trial_needs_a_compiler_cache(self):
+        self.program("id", "echo 0")
+        self.program("unshare", "exit 0")
+        done = self.run_script("try_bare.sh", "--no-install", "--mirror", "http://localhost", "--cache", self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(f"--cache {self.folder}: no compiler cache", done.stderr)
 
 
 if __name__ == "__main__":

@@ -88,6 +88,7 @@ Volume read_dicom(const std::filesystem::path& path, std::vector<std::string>& r
     gdcm::Trace::SetDebug(false);
     gdcm::Trace::SetWarning(false);
     gdcm::Trace::SetError(false);
+    const std::string place = path.string();
     const bool folder = std::filesystem::is_directory(path);
     LeftOut left_out;
     std::vector<DicomHeader> slices;
@@ -106,7 +107,7 @@ Volume read_dicom(const std::filesystem::path& path, std::vector<std::string>& r
         }
     }
     if (slices.empty()) {
-        refuse_dicom(path.string(),
+        refuse_dicom(place,
                      dicom_files == 0 ? fmt::format("there is no DICOM file, only {}",
                                                     left_out.empty() ? "empty folders" : left_out.text())
                                       : fmt::format("there is no CT slice, only {}", left_out.text()),
@@ -114,8 +115,8 @@ Volume read_dicom(const std::filesystem::path& path, std::vector<std::string>& r
                      dicom_files == 0 ? "give the folder that contains the slices"
                                       : "export the original CT; other images have no Hounsfield units");
     }
-    const std::vector<DicomSeries> all = sort_by_series(std::move(slices), path.string());
-    const DicomSeries& chosen = choose_series(all, wanted, path.string());
+    const std::vector<DicomSeries> all = sort_by_series(std::move(slices), place);
+    const DicomSeries& chosen = choose_series(all, wanted, place);
     if (chosen.fault && chosen.files.front().geometry.size[2] > 1) {
         refuse_dicom(chosen.fault->file, chosen.fault->found, chosen.fault->expected, chosen.fault->remedy);
     }
@@ -131,19 +132,18 @@ Volume read_dicom(const std::filesystem::path& path, std::vector<std::string>& r
     for (const DicomHeader& slice : chosen.files) {
         voxels += slice.geometry.count();
         if (voxels > max_voxels) {
-            refuse_dicom(path.string(), fmt::format("there are more than {} voxels", max_voxels), "fewer",
+            refuse_dicom(place, fmt::format("there are more than {} voxels", max_voxels), "fewer",
                          "give one series, cropped to head and neck");
         }
         frames.push_back(read_dicom_frames(slice.file));
     }
     if (!others.empty()) {
-        remarks.push_back(
-            fmt::format("{}: read series {}; left out {}", path.string(), chosen.label(), others));
+        remarks.push_back(fmt::format("{}: read series {}; left out {}", place, chosen.label(), others));
     }
     if (frames.size() == 1 && frames.front().geometry.size[2] > 1) {
         return {frames.front().geometry, std::move(frames.front().value)};
     }
-    return stack(frames, path.string());
+    return stack(frames, place);
 }
 
 }  // namespace eti::imaging
