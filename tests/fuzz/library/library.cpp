@@ -105,7 +105,7 @@ class Bench {
     Bench() {
         bus::bus_log().set_level(spdlog::level::off);
         if (const std::string folder = setting("ETI_FUZZ_RECORD", ""); !folder.empty()) {
-            record(folder, setting("ETI_FUZZ_LAB", ""));
+            record(folder, lab_);
             std::_Exit(0);
         }
         std::ifstream in(folder_ / "introduction", std::ios::binary);
@@ -136,7 +136,8 @@ class Bench {
   private:
     void start() {
         target_.reset();
-        target_.emplace("eti-client", Side::both, "");
+        const bool secured = !lab_.empty();
+        target_.emplace("eti-client", secured ? Side::client : Side::both, secured ? lab_ / "hands" : lab_);
         history_.begin();
         ++participants_;
         target_->publish();
@@ -168,6 +169,7 @@ class Bench {
         }
     }
 
+    const std::filesystem::path lab_ = setting("ETI_FUZZ_LAB", "");
     const std::filesystem::path folder_ = setting("ETI_FUZZ_FOLDER", ETI_FUZZ_FOLDER);
     const std::uint64_t inputs_per_participant_ = std::stoull(setting("ETI_FUZZ_INPUTS", "256"));
     History history_;

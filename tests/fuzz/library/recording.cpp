@@ -29,9 +29,8 @@ void remove_statistics(std::vector<std::uint8_t>& datagram) {
 
 /// A client, which is what receives inputs later, and the server.
 struct Meeting {
-    explicit Meeting(const std::filesystem::path& lab) {
+    explicit Meeting(const std::filesystem::path& lab) : secured(!lab.empty()) {
         MemoryNetwork::instance().keep_sent(true);
-        const bool secured = !lab.empty();
         client.emplace("eti-client", secured ? Side::client : Side::both, secured ? lab / "hands" : "");
         server.emplace("eti-server", secured ? Side::server : Side::both, secured ? lab / "server" : "");
         client_id = client->prefix();
@@ -58,7 +57,9 @@ struct Meeting {
                     if (++kept % 16 != 0) {
                         remove_statistics(bytes);
                     }
-                    replace(bytes, server_id, peer);
+                    if (!secured) {
+                        replace(bytes, server_id, peer);  // with security it follows from the certificate
+                    }
                     replace_prefix(bytes, client_id, own_prefix);
                 }
                 for (const std::uint16_t port : one.ports) {
@@ -69,6 +70,7 @@ struct Meeting {
         return received;
     }
 
+    const bool secured;
     std::optional<Target> client, server;
     Prefix client_id{}, server_id{};
     unsigned kept = 0;
