@@ -85,11 +85,37 @@ bool leads_elsewhere(Bytes content, bool little, bool group_allowed) {
     return kind != udp_v4 || !(loopback || (group_allowed && group));
 }
 
+/// Elements of a size, preceded by their number.
+bool is_counted(Bytes content, bool little, std::size_t element_size) {
+    Reader in(content, little);
+    const std::uint32_t count = in.u32();
+    return in.whole() && count <= in.left() / element_size;
+}
+
+/// Names of partitions: strings that end with a zero.
+bool is_valid_partition(Bytes content, bool little) {
+    Reader in(content, little);
+    std::uint32_t names = in.u32();
+    for (; names > 0 && in.whole(); --names) {
+        const std::uint32_t length = in.u32();
+        if (length == 0 || length > in.left() || in.rest()[length - 1] != 0) {
+            return false;
+        }
+        in.skip(length);
+        if (in.left() > 0) {
+            in.align();
+        }
+    }
+    return in.whole();
+}
+
 /// Discovery data. The library allocates as many elements as a token or a type description counts, before it
-/// reads them.
+/// reads them; it reads as many data representations, domains and partitions as are counted, whether they are
+/// there or not.
 bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
     constexpr std::uint16_t type_identifier = 0x69, type_object = 0x72, type_information = 0x75;
     constexpr std::uint16_t identity_token = 0x1001, permissions_token = 0x1002;
+    constexpr std::uint16_t partition = 0x29, data_representation = 0x73, data_sharing = 0x8006;
     constexpr std::uint16_t unicast = 0x2f, default_unicast = 0x31, metatraffic_unicast = 0x32;
     constexpr std::uint16_t multicast = 0x30, metatraffic_multicast = 0x33, default_multicast = 0x48;
     return read_parameter_list(in, [&](std::uint16_t id, Bytes content) {
@@ -106,7 +132,19 @@ bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
             written.announces_other_hosts =
                 written.announces_other_hosts || leads_elsewhere(content, little, to_group);
         }
-        return (id != identity_token && id != permissions_token) || is_valid_token(content, little);
+        switch (id) {
+            case identity_token:
+            case permissions_token:
+                return is_valid_token(content, little);
+            case partition:
+                return is_valid_partition(content, little);
+            case data_representation:
+                return is_counted(content, little, 2);
+            case data_sharing:
+                return is_counted(content, little, 8);
+            default:
+                return true;
+        }
     });
 }
 

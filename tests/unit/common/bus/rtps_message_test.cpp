@@ -223,6 +223,27 @@ TEST(RtpsMessage, TokenThatCountsTooMuchIsRefused) {
     EXPECT_FALSE(with_properties(255));
 }
 
+// Found by fuzz-library: Fast DDS 2.9.1 appends 2^32 numbers for a parameter of four bytes.
+TEST(RtpsMessage, ListThatCountsTooMuchIsRefused) {
+    EXPECT_TRUE(announcement_with(0x73, {2, 0, 0, 0, 0, 0, 2, 0}).passes()) << "data representations";
+    EXPECT_FALSE(announcement_with(0x73, {3, 0, 0, 0, 0, 0, 2, 0}).passes());
+    EXPECT_FALSE(announcement_with(0x73, {255, 255, 255, 255}).passes());
+    EXPECT_TRUE(announcement_with(0x8006, {1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8}).passes()) << "domains";
+    EXPECT_FALSE(announcement_with(0x8006, {2, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8}).passes());
+}
+
+// The library goes back in the datagram by a length of 2^32 - 4, and so reads 2^32 names in one place.
+TEST(RtpsMessage, PartitionNameBeyondItsEndIsRefused) {
+    EXPECT_TRUE(announcement_with(0x29, {0, 0, 0, 0}).passes());
+    EXPECT_TRUE(
+        announcement_with(0x29, {2, 0, 0, 0, 2, 0, 0, 0, 'a', 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}).passes());
+    EXPECT_FALSE(announcement_with(0x29, {2, 0, 0, 0, 2, 0, 0, 0, 'a', 0, 0, 0}).passes())
+        << "one is missing";
+    EXPECT_FALSE(announcement_with(0x29, {1, 0, 0, 0, 2, 0, 0, 0, 'a', 'b', 0, 0}).passes()) << "no end";
+    EXPECT_FALSE(announcement_with(0x29, {1, 0, 0, 0, 9, 0, 0, 0, 'a', 0, 0, 0}).passes());
+    EXPECT_FALSE(announcement_with(0x29, {255, 255, 255, 255, 252, 255, 255, 255}).passes());
+}
+
 /// The message as the library receives it.
 std::vector<std::uint8_t> as_passed_on(const Message& message) {
     std::vector<std::uint8_t> out = message.bytes();
