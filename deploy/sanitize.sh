@@ -7,7 +7,7 @@ set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/counted.sh"
 
-PARTS=(fuzz asan tsan)
+PARTS=(fuzz library asan tsan)
 
 usage() {
     cat <<USAGE
@@ -16,7 +16,9 @@ Fuzzes the readers of external files and messages, then runs the unit tests and 
 address, undefined-behaviour and thread sanitizers. The last line reads "N passed, N failed"; exit 0 only if none failed.
   --short        only the fuzz targets, each with its corpus (tests/fuzz/corpus) and a few seconds of new
                  inputs: run by deploy/test.sh --fuzz
-  --only PART    fuzz (build/fuzz, clang), asan (build/asan: address and undefined behaviour) or tsan (build/tsan); may be repeated
+  --only PART    fuzz (build/fuzz, clang), library (the DDS library behind the packet filter, from Debian's source, in
+                 build/library; left out where there is none), asan (build/asan: address and undefined behaviour) or tsan
+                 (build/tsan); may be repeated
   --reader NAME  fuzz this reader, a file of tests/fuzz; may be repeated
   --runs N       inputs for each fuzz target (default: 10000000)
   --minutes M    time limit of each fuzz target (default: 0, no limit)
@@ -65,21 +67,40 @@ done
 [ ${#only[@]} -gt 0 ] || only=("${PARTS[@]}")
 asked() { [[ " ${only[*]} " = *" $1 "* ]]; }
 
-# fuzz READER: runs one target for a long time. A line of fuzz.csv records the run; its new inputs stay in DIR/READER.
+# fuzz READER [OPTION...]: runs one target for a long time. A line of fuzz.csv records the run; its new inputs stay in DIR/READER.
 fuzz() {
-    local folder=$out/$1 log=$out/$1.log began=$SECONDS status crashes
+    local reader=$1 folder=$out/$1 log=$out/$1.log began=$SECONDS status crashes
+    shift
     mkdir -p "$folder/inputs"
-    eti_say "== Fuzzing $1: $runs inputs; log in $log"
-    (cd "$folder" && sanitized fuzz "$ETI_ROOT/build/fuzz/fuzz/fuzz-$1" -runs="$runs" -max_total_time=$((60 * minutes)) -timeout=20 \
-        -rss_limit_mb=3000 -print_final_stats=1 inputs "$ETI_ROOT/tests/fuzz/corpus/$1") >"$log" 2>&1
+    eti_say "== Fuzzing $reader: $runs inputs; log in $log"
+    (cd "$folder" && sanitized fuzz "$ETI_ROOT/build/fuzz/fuzz/fuzz-$reader" "$@" -runs="$runs" -max_total_time=$((60 * minutes)) -timeout=20 \
+        -rss_limit_mb=3000 -print_final_stats=1 inputs "$ETI_ROOT/tests/fuzz/corpus/$reader") >"$log" 2>&1
     status=$?
     crashes=$(find "$folder" -maxdepth 1 -type f | wc -l)
-    echo "$1,$(sed -n 's/^stat::number_of_executed_units: *//p' "$log"),$((SECONDS - began)),$crashes" >>"$out/fuzz.csv"
+    echo "$reader,$(sed -n 's/^stat::number_of_executed_units: *//p' "$log"),$((SECONDS - began)),$crashes" >>"$out/fuzz.csv"
     if [ $status = 0 ]; then
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
-        eti_say "Failed: $1, see $log and $folder"
+        eti_say "Failed: $reader, see $log and $folder"
+    fi
+}
+
+# Fuzzes the DDS library behind the filter, from Debian's source: a target of build/fuzz, which finds the sanitized library
+# before the system's. The bounds of a datagram's time and of a participant's memory are in tests/fuzz/library.
+library() {
+    local log=$out/library-build.log status
+    eti_say "== Building the DDS library from Debian's source in build/library; log in $log"
+    "$ETI_ROOT/deploy/sanitized_library.sh" "$ETI_ROOT/build/library" "$clang" >"$log" 2>&1
+    status=$?
+    if [ $status = 3 ]; then
+        eti_say "Skipped: library. $(grep -a 'No source' "$log")"
+    elif [ $status = 0 ] && eti_build fuzz -DETI_TESTS=ON "-DCMAKE_C_COMPILER=$clang" \
+        "-DCMAKE_CXX_COMPILER=${clang/clang/clang++}" fuzz-library; then
+        LD_LIBRARY_PATH=$ETI_ROOT/build/library/prefix/lib fuzz library -max_len=40000 -malloc_limit_mb=32
+    else
+        failed=$((failed + 1))
+        eti_say "Failed: library, see $log"
     fi
 }
 
@@ -114,24 +135,26 @@ PYTHON
 }
 
 lists=(build client test)
-asked fuzz && lists+=(fuzz)
+if asked fuzz || asked library; then lists+=(fuzz); fi
+asked library && lists+=(library)
 [ $install = yes ] && eti_install "${lists[@]}"
 started=$SECONDS
 if [ $short = yes ]; then
     fuzz_smoke
 else
     mkdir -p "$out" && out=$(cd "$out" && pwd) || exit 2
+    clang=clang-$([ "$(eti_release)" = trixie ] && echo 19 || echo 16)     # as deploy/packages/fuzz.txt
+    echo "reader,runs,seconds,findings" >"$out/fuzz.csv"
     if asked fuzz; then
         [ ${#readers[@]} -gt 0 ] || mapfile -t readers < <(all_readers)
-        clang=clang-$([ "$(eti_release)" = trixie ] && echo 19 || echo 16)     # as deploy/packages/fuzz.txt
         if eti_build fuzz -DETI_TESTS=ON "-DCMAKE_C_COMPILER=$clang" "-DCMAKE_CXX_COMPILER=${clang/clang/clang++}" \
             "${readers[@]/#/fuzz-}"; then
-            echo "reader,runs,seconds,findings" >"$out/fuzz.csv"
             for reader in "${readers[@]}"; do fuzz "$reader"; done
         else
             failed=$((failed + 1))
         fi
     fi
+    asked library && library
     for preset in asan tsan; do
         asked $preset || continue
         eti_say "== Building the unit tests and the server in build/$preset"

@@ -62,6 +62,11 @@ std::string field_of(const std::string& text, std::string_view key) {
 // Bounds memory use on a hostile network.
 constexpr std::size_t max_peers = 256;
 
+Reach reach_of(const Options& options) {
+    const bool by_server = !options.profile.empty() || !options.discovery_servers.empty();
+    return this_machine_only(options) ? Reach::this_machine : by_server ? Reach::relayed : Reach::network;
+}
+
 ParticipantId id_of(const rtps::GuidPrefix_t& prefix) {
     ParticipantId id{};
     std::ranges::copy(prefix.value, id.begin());
@@ -114,7 +119,7 @@ Participant::Participant(const Options& wanted)
     apply_identity(options, qos, warnings_);
     install_receive_filter(qos.transport().user_transports,
                            options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
-                           admission_, options.profile, this_machine_only(options));
+                           admission_, options.profile, reach_of(options));
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {

@@ -73,10 +73,24 @@ bool FragmentGuard::plausible(const WriterId& writer, const Fragments& fragments
     if (fragments.sample > most || (is_built_in(writer) && !(handshake && fragments.count == 1))) {
         return false;
     }
+    any_.store(true, std::memory_order_release);
     const std::lock_guard lock(mutex_);
     Sample* const sample = handshake ? sample_of(handshakes_, max_handshakes, writer, fragments, now)
                                      : sample_of(writers_, max_writers, writer, fragments, now);
     return sample != nullptr && !sample->refused && (!handshake || is_valid_so_far(*sample, fragments));
+}
+
+bool FragmentGuard::plausible(const WriterId& id, std::int64_t whole_sample) {
+    if (!any_.load(std::memory_order_acquire)) {
+        return true;
+    }
+    const std::lock_guard lock(mutex_);
+    const auto free_in = [&](const Writers& writers) {
+        const auto known = writers.find(id);
+        return known == writers.end() ||
+               (whole_sample > known->second.forgotten && !known->second.samples.contains(whole_sample));
+    };
+    return free_in(writers_) && free_in(handshakes_);
 }
 
 }  // namespace eti::bus

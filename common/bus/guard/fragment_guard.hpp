@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -14,8 +15,9 @@ namespace eti::bus {
 
 /// Compares the fragments of one sample, which is_well_formed() checks one by one. Fast DDS 2.9.1 copies a
 /// sample's last fragment by the sizes of its first and so reads past a datagram that names others; it
-/// reserves a whole sample for its first fragment; and it counts on whatever a reassembled handshake message
-/// counts. Thread-safe.
+/// reserves a whole sample for its first fragment; it counts on whatever a reassembled handshake message
+/// counts; and it delivers the fragments of a sample that also comes as a whole (an assertion on a keyed
+/// topic). Thread-safe.
 class FragmentGuard {
   public:
     using Clock = std::chrono::steady_clock;
@@ -24,6 +26,9 @@ class FragmentGuard {
     /// to the session's server, which alone sends large samples.
     [[nodiscard]] bool plausible(const WriterId& writer, const Fragments& fragments, bool from_owner,
                                  Clock::time_point now = Clock::now());
+
+    /// Whether the library may have a sample of this number as a whole: no fragments of it have come.
+    [[nodiscard]] bool plausible(const WriterId& writer, std::int64_t whole_sample);
 
     /// Largest fragmented sample of other participants [bytes]: an annotation of 48 places has 1.5 kB.
     static constexpr std::uint32_t max_foreign_sample_bytes = 1u << 16;
@@ -56,6 +61,7 @@ class FragmentGuard {
                                            const Fragments& fragments, Clock::time_point now);
     [[nodiscard]] static bool is_valid_so_far(Sample& message, const Fragments& fragments);
 
+    std::atomic<bool> any_{false};  // fragments have come
     std::mutex mutex_;
     Writers writers_, handshakes_;
 };

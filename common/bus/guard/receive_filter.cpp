@@ -11,6 +11,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/fastdds/forwarding_transport.hpp"
+#include "common/bus/guard/announcement_guard.hpp"
 #include "common/bus/guard/fragment_guard.hpp"
 #include "common/bus/guard/rtps_message.hpp"
 #include "common/bus/guard/sequence_number_guard.hpp"
@@ -54,7 +55,8 @@ struct Questions {
     std::shared_ptr<Admission> admission;
     std::shared_ptr<SequenceNumberGuard> reached = std::make_shared<SequenceNumberGuard>();
     std::shared_ptr<FragmentGuard> fragments = std::make_shared<FragmentGuard>();
-    bool this_machine_only = false;
+    std::shared_ptr<AnnouncementGuard> announcements = std::make_shared<AnnouncementGuard>();
+    bool this_machine_only = false, relayed = false;
     Watchdog* watch = &eti::bus::watch();
 };
 
@@ -81,14 +83,10 @@ void say_other_addresses() {
     say_once(said, "a DDS program on this domain announces addresses beyond this machine");
 }
 
-/// The datagram with parameters made padding, which the library skips. It knows the types of a session, and
-/// would allocate whatever a type description counts.
-std::vector<std::uint8_t> without_parameters(Bytes datagram, const std::vector<Bytes>& contents) {
+std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement>& replacements) {
     std::vector<std::uint8_t> out(datagram.begin(), datagram.end());
-    for (const Bytes& content : contents) {
-        constexpr std::ptrdiff_t identifier_and_length = 4;
-        const auto at = out.begin() + (content.data() - datagram.data()) - identifier_and_length;
-        std::fill_n(at, 2, std::uint8_t{0});  // PID_PAD
+    for (const Replacement& one : replacements) {
+        std::ranges::copy(one.by, out.begin() + (one.place.data() - datagram.data()));
     }
     return out;
 }
@@ -117,7 +115,7 @@ class ReceiveFilter final : public ForwardingTransport {
         }
         std::string_view fault = "is not well-formed RTPS";
         bool ignored = false;
-        std::vector<Bytes> type_descriptions;
+        std::vector<Replacement> replacements;
         const auto refused = [&](const WriterSubmessage& written) {
             ignored = ask_.admission->rejects(written.writer);
             if (ignored) {
@@ -128,10 +126,22 @@ class ReceiveFilter final : public ForwardingTransport {
                 ignored = true;  // not a fault of the datagram
                 return true;
             }
+            if (!ask_.relayed && written.announcement &&
+                !ask_.announcements->plausible(written.writer.participant, *written.announcement)) {
+                // Whoever leaves says so; nothing else that is refused here is usual.
+                ignored = written.announcement->goodbye && !written.announcement->of_another;
+                fault = "announces a participant otherwise than that one does";
+                return true;
+            }
             // Asked for few submessages only: it takes a lock.
             const auto from_owner = [&] { return ask_.admission->owner() == written.writer.participant; };
             if (written.up_to > 0 && !ask_.reached->plausible(written.writer, written.up_to, from_owner())) {
                 fault = "claims more samples than its writer can have written";
+                return true;
+            }
+            if (written.whole_sample > 0 &&
+                !ask_.fragments->plausible(written.writer, written.whole_sample)) {
+                fault = "is a whole sample of which fragments have come";
                 return true;
             }
             if (written.fragments &&
@@ -139,16 +149,15 @@ class ReceiveFilter final : public ForwardingTransport {
                 fault = "has fragments that do not belong together";
                 return true;
             }
-            type_descriptions.insert(type_descriptions.end(), written.type_descriptions.begin(),
-                                     written.type_descriptions.end());
+            replacements.insert(replacements.end(), written.replacements.begin(), written.replacements.end());
             return false;
         };
         if (is_well_formed({buffer, size}, refused)) {
             const Watchdog::Call call(*ask_.watch);
-            if (type_descriptions.empty()) {
+            if (replacements.empty()) {
                 next->OnDataReceived(buffer, size, local, remote);
             } else {
-                const auto copy = without_parameters({buffer, size}, type_descriptions);
+                const auto copy = replaced({buffer, size}, replacements);
                 next->OnDataReceived(copy.data(), size, local, remote);
             }
         } else if (!ignored) {
@@ -220,9 +229,10 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
                             std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
-                            const std::string& profile, bool this_machine_only) {
+                            const std::string& profile, Reach reach) {
     Questions ask{admission};
-    ask.this_machine_only = this_machine_only;
+    ask.this_machine_only = reach == Reach::this_machine;
+    ask.relayed = reach == Reach::relayed;
     for (auto& one : transports) {
         one = filtered(one, max_datagram_bytes, ask, profile);
     }

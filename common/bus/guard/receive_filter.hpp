@@ -12,17 +12,24 @@
 
 namespace eti::bus {
 
+/// Whence announcements come.
+enum class Reach : std::uint8_t {
+    this_machine,
+    network,
+    relayed,  ///< possibly by a discovery server, on behalf of others
+};
+
 /// Puts a filter before the receivers of a participant's transports. A datagram never reaches the library if
 /// it is not is_well_formed(), comes from a writer that `admission` rejects, or carries an implausible
 /// sequence number. Sent datagrams have at most `max_datagram_bytes` bytes. Supports UDP and shared memory;
-/// throws BusError on another kind, naming `profile`, the file that requested it. With `this_machine_only` it
+/// throws BusError on another kind, naming `profile`, the file that requested it. Within this machine it
 /// drops what comes from another machine, since any program that joins the discovery group on a network makes
 /// the kernel deliver that group's datagrams to every socket of the port, and announcements that name
 /// addresses beyond this machine. When the library does not return from a datagram for `watchdog_timeout`,
 /// the program reports that and ends at once with status `exit_watchdog`.
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
                             std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
-                            const std::string& profile, bool this_machine_only);
+                            const std::string& profile, Reach reach);
 
 /// Longer than any stall of a working session; forces are zero after 0.3 s.
 inline constexpr std::chrono::seconds watchdog_timeout{30};

@@ -61,8 +61,13 @@ bool read_parameter_list(Reader& in, const Check& is_valid) {
     return false;
 }
 
-bool skip_parameter_list(Reader& in) {
-    return read_parameter_list(in, [](std::uint16_t, Bytes) { return true; });
+constexpr std::uint16_t participant_guid = 0x50, key_hash = 0x70, status_info = 0x71;
+
+/// Whether a parameter names another participant than `participant`.
+bool names_another(std::uint16_t id, Bytes content, const std::array<std::uint8_t, 12>& participant) {
+    return (id == participant_guid || id == key_hash) &&
+           (content.size() < participant.size() ||
+            !std::ranges::equal(content.first(participant.size()), participant));
 }
 
 /// A locator (9.4.2.10) that leads beyond this machine: neither loopback nor shared memory, nor, where a
@@ -80,16 +85,46 @@ bool leads_elsewhere(Bytes content, bool little, bool group_allowed) {
     return kind != udp_v4 || !(loopback || (group_allowed && group));
 }
 
+/// Elements of a size, preceded by their number.
+bool is_counted(Bytes content, bool little, std::size_t element_size) {
+    Reader in(content, little);
+    const std::uint32_t count = in.u32();
+    return in.whole() && count <= in.left() / element_size;
+}
+
+/// Names of partitions: strings that end with a zero.
+bool is_valid_partition(Bytes content, bool little) {
+    Reader in(content, little);
+    std::uint32_t names = in.u32();
+    for (; names > 0 && in.whole(); --names) {
+        const std::uint32_t length = in.u32();
+        if (length == 0 || length > in.left() || in.rest()[length - 1] != 0) {
+            return false;
+        }
+        in.skip(length);
+        if (in.left() > 0) {
+            in.align();
+        }
+    }
+    return in.whole();
+}
+
 /// Discovery data. The library allocates as many elements as a token or a type description counts, before it
-/// reads them.
+/// reads them; it reads as many data representations, domains and partitions as are counted, whether they are
+/// there or not.
 bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
     constexpr std::uint16_t type_identifier = 0x69, type_object = 0x72, type_information = 0x75;
     constexpr std::uint16_t identity_token = 0x1001, permissions_token = 0x1002;
+    constexpr std::uint16_t partition = 0x29, data_representation = 0x73, data_sharing = 0x8006;
     constexpr std::uint16_t unicast = 0x2f, default_unicast = 0x31, metatraffic_unicast = 0x32;
     constexpr std::uint16_t multicast = 0x30, metatraffic_multicast = 0x33, default_multicast = 0x48;
     return read_parameter_list(in, [&](std::uint16_t id, Bytes content) {
+        if (written.announcement && names_another(id, content, written.writer.participant)) {
+            written.announcement->of_another = true;
+        }
         if (id == type_identifier || id == type_object || id == type_information) {
-            written.type_descriptions.push_back(content);
+            constexpr std::size_t length_and_identifier = 4;
+            written.replacements.push_back({{content.data() - length_and_identifier, 2}, {0, 0}});  // PID_PAD
         }
         const bool to_one = id == unicast || id == default_unicast || id == metatraffic_unicast;
         const bool to_group = id == multicast || id == metatraffic_multicast || id == default_multicast;
@@ -97,18 +132,40 @@ bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
             written.announces_other_hosts =
                 written.announces_other_hosts || leads_elsewhere(content, little, to_group);
         }
-        return (id != identity_token && id != permissions_token) || is_valid_token(content, little);
+        switch (id) {
+            case identity_token:
+            case permissions_token:
+                return is_valid_token(content, little);
+            case partition:
+                return is_valid_partition(content, little);
+            case data_representation:
+                return is_counted(content, little, 2);
+            case data_sharing:
+                return is_counted(content, little, 8);
+            default:
+                return true;
+        }
     });
 }
 
 /// The part that data and fragments share, up to the payload. `fixed`: size of what precedes the inline QoS.
-bool skip_to_payload(Reader& in, std::uint8_t flags, std::uint16_t to_inline, std::size_t fixed) {
+bool skip_to_payload(Reader& in, std::uint8_t flags, std::uint16_t to_inline, std::size_t fixed,
+                     WriterSubmessage& written) {
     // Later minor versions of the protocol may insert more; this library miscounts lengths below `fixed`.
     if (to_inline < fixed || to_inline % 4 != 0) {
         return false;
     }
     in.skip(to_inline - fixed);
-    return (flags & inline_qos) == 0 || skip_parameter_list(in);
+    return (flags & inline_qos) == 0 || read_parameter_list(in, [&](std::uint16_t id, Bytes content) {
+               if (written.announcement) {
+                   // Disposed or unregistered.
+                   const bool leaves = id == status_info && content.size() >= 4 && (content[3] & 3) != 0;
+                   const bool other = names_another(id, content, written.writer.participant);
+                   written.announcement->goodbye = written.announcement->goodbye || leaves;
+                   written.announcement->of_another = written.announcement->of_another || other;
+               }
+               return true;
+           });
 }
 
 /// Whether these entities exchange discovery data (parameter lists) about participants or endpoints.
@@ -126,7 +183,12 @@ bool is_valid_data(Reader& in, std::uint8_t flags, WriterSubmessage& written) {
     const std::uint16_t to_inline = in.u16();
     const auto reader = in.octets<4>();
     written.writer.entity = in.octets<4>();
-    if (!plausible(in.sequence_number()) || !skip_to_payload(in, flags, to_inline, 16)) {
+    constexpr std::array<std::uint8_t, 4> spdp_writer = {0, 1, 0, 0xc2}, spdp_reader = {0, 1, 0, 0xc7};
+    if (written.writer.entity == spdp_writer || reader == spdp_reader) {
+        written.announcement = Announcement{.content = {}, .goodbye = (flags & with_data) == 0};
+    }
+    written.whole_sample = in.sequence_number();
+    if (!plausible(written.whole_sample) || !skip_to_payload(in, flags, to_inline, 16, written)) {
         return false;
     }
     if ((flags & (with_data | with_key)) == 0) {
@@ -148,6 +210,9 @@ bool is_valid_data(Reader& in, std::uint8_t flags, WriterSubmessage& written) {
         return false;
     }
     Reader parameters(in.rest(), little);
+    if (written.announcement) {
+        written.announcement->content = in.rest();
+    }
     return is_valid_announcement(parameters, little, written);
 }
 
@@ -171,7 +236,7 @@ bool is_valid_fragments(Reader& in, std::uint8_t flags, WriterSubmessage& writte
     const std::uint64_t from = std::uint64_t{first - 1} * size;
     const std::uint64_t to = std::min<std::uint64_t>(from + std::uint64_t{count} * size, whole);
     if (from >= whole || first - 1 + std::uint64_t{count} > (std::uint64_t{whole} + size - 1) / size ||
-        !skip_to_payload(in, flags, to_inline, 28) || in.left() < to - from) {
+        !skip_to_payload(in, flags, to_inline, 28, written) || in.left() < to - from) {
         return false;
     }
     written.fragments = Fragments{number, first, count, size, whole, in.rest().first(to - from)};
@@ -187,13 +252,51 @@ bool is_valid_heartbeat(Reader& in, WriterSubmessage& written) {
     return in.whole() && plausible(first) && last >= first - 1 && last - first < max_sequence_range;
 }
 
-bool is_valid_gap(Reader& in, WriterSubmessage& written) {
+/// Bytes of a sequence number.
+std::vector<std::uint8_t> sequence_number_bytes(std::int64_t number, bool little) {
+    std::vector<std::uint8_t> out;
+    for (const auto word : {static_cast<std::uint32_t>(number >> 32), static_cast<std::uint32_t>(number)}) {
+        for (unsigned i = 0; i < 4; ++i) {
+            out.push_back(static_cast<std::uint8_t>(word >> 8 * (little ? i : 3 - i)));
+        }
+    }
+    return out;
+}
+
+/// Cuts off the bitmap of a gap at the first number that it does not name; those before it become part of the
+/// range. StatefulReader::processGapMsg forgets fragments of samples in the range only.
+void cut_off_bitmap(Bytes base_and_bitmap, std::int64_t base, bool little, WriterSubmessage& written) {
+    constexpr std::size_t number_size = 8, count_size = 4;
+    Reader in(base_and_bitmap.subspan(number_size), little);
+    const std::uint32_t bits = in.u32();
+    std::uint32_t word = 0, run = 0, named = 0;
+    for (std::uint32_t i = 0; i < bits; ++i) {
+        word = i % 32 == 0 ? in.u32() : word;
+        const bool is_named = (word >> (31 - i % 32) & 1) != 0;
+        named += is_named ? 1 : 0;
+        run += is_named && run == i ? 1 : 0;
+    }
+    if (named > 0) {
+        const Bytes words = base_and_bitmap.subspan(number_size + count_size, 4 * ((bits + 31) / 32));
+        written.replacements.push_back(
+            {base_and_bitmap.first(number_size), sequence_number_bytes(base + run, little)});
+        written.replacements.push_back({words, std::vector<std::uint8_t>(words.size())});
+    }
+}
+
+bool is_valid_gap(Reader& in, bool little, WriterSubmessage& written) {
     in.skip(4);  // reader
     written.writer.entity = in.octets<4>();
-    const std::int64_t start = in.sequence_number(), base = in.sequence_number();
+    const std::int64_t start = in.sequence_number();
+    const Bytes base_and_bitmap = in.rest();
+    const std::int64_t base = in.sequence_number();
     written.up_to = base;
-    return plausible(start) && plausible(base) && base >= start && base - start <= max_sequence_range &&
-           skip_bitmap(in);
+    if (!plausible(start) || !plausible(base) || base < start || base - start > max_sequence_range ||
+        !skip_bitmap(in)) {
+        return false;
+    }
+    cut_off_bitmap(base_and_bitmap, base, little, written);
+    return true;
 }
 
 bool is_valid_acknack(Reader& in) {
@@ -247,7 +350,7 @@ bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content,
         case heartbeat_fragment:
             return of_writer(is_valid_heartbeat_fragment(in, from));
         case gap:
-            return of_writer(is_valid_gap(in, from));
+            return of_writer(is_valid_gap(in, (flags & little_endian) != 0, from));
         case acknack:
             return is_valid_acknack(in);
         case nack_fragments:

@@ -30,14 +30,31 @@ struct Fragments {
     Bytes payload;             ///< in the datagram
 };
 
+/// Bytes that the library may not have as they are.
+struct Replacement {
+    Bytes place;  ///< in the datagram
+    std::vector<std::uint8_t> by;
+};
+
+/// A participant's announcement of itself (DDSI-RTPS 2.5, 8.5.3: SPDP).
+struct Announcement {
+    Bytes content;            ///< parameters, in the datagram
+    bool goodbye = false;     ///< that the participant leaves
+    bool of_another = false;  ///< of a participant other than the datagram's
+};
+
 /// A submessage that a writer sends.
 struct WriterSubmessage {
     WriterId writer;
     /// For a heartbeat or a gap: the sequence number to which it advances the writer's readers. Otherwise 0.
     std::int64_t up_to = 0;
+    std::int64_t whole_sample = 0;       ///< sequence number of a sample sent at once; else 0
     std::optional<Fragments> fragments;  ///< of a sample sent in fragments
-    /// Contents of those discovery parameters that describe a type, in the datagram.
-    std::vector<Bytes> type_descriptions;
+    std::optional<Announcement> announcement;
+    /// To be made before the library may have the datagram. Discovery parameters that describe a type become
+    /// padding. A gap's bitmap is cut off at the first number that it does not name; the writer repeats the
+    /// rest when it is asked.
+    std::vector<Replacement> replacements;
     /// Discovery data that asks for datagrams at addresses beyond this machine.
     bool announces_other_hosts = false;
 };
@@ -45,8 +62,9 @@ struct WriterSubmessage {
 /// Whether a datagram is safe for the library: RTPS 2.x (OMG DDSI-RTPS 2.5, chapter 9.4) with complete
 /// submessages, each of the length that its content needs, and plausible sequence numbers. Fast DDS 2.9.1
 /// ends the process on a statistics submessage that is not the last and on fragments of a key. It also loops
-/// over any range that a heartbeat, a gap or an acknowledgement names, and allocates as many elements as an
-/// identity token or a handshake message counts. Secured submessages are left to the security plug-in.
+/// over any range that a heartbeat, a gap or an acknowledgement names, allocates as many elements as an
+/// identity token or a handshake message counts, and delivers a sample of which it has some fragments when a
+/// gap's bitmap names it. Secured submessages are left to the security plug-in.
 /// Fragments are checked one by one; FragmentGuard compares those of one sample.
 /// `refused` is called for every submessage that a writer sends; if it returns true, the whole datagram is
 /// rejected.

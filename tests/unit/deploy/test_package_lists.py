@@ -33,7 +33,7 @@ SCRIPTS = {
     "deploy/security/*": ("security",),
     "deploy/figures.sh": TESTS, "docs/*.py": TESTS,
     "deploy/test.sh": TESTS, "deploy/counted.sh": TESTS, "tests/**/*.py": TESTS,
-    "deploy/sanitize.sh": (*TESTS, "fuzz"),
+    "deploy/sanitize.sh": (*TESTS, "fuzz", "library"), "deploy/sanitized_library.sh": (*PROGRAMS, "fuzz", "library"),
     "deploy/package.sh": (*PROGRAMS, "package"), "deploy/try_packages.sh": (*PROGRAMS, "package"),
     "deploy/bare.sh": ("bare",), "deploy/try_bare.sh": ("bare",),
 }

@@ -48,6 +48,21 @@ TEST(FragmentGuard, FragmentsOfOtherSizesAreRefused) {
     EXPECT_TRUE(guard.plausible(writer(1), fragment(7, 2, 1200, 1 << 20), true, moment));
 }
 
+// Found by fuzz-library: Fast DDS 2.9.1 delivers the first fragment of a sample that has also come as a
+// whole.
+TEST(FragmentGuard, WholeSampleAfterItsFragmentIsRefused) {
+    FragmentGuard guard;
+    EXPECT_TRUE(guard.plausible(writer(1), 7)) << "no fragments yet";
+    ASSERT_TRUE(guard.plausible(writer(1), fragment(7, 1, 1200, 3000), true, moment));
+    EXPECT_FALSE(guard.plausible(writer(1), 7));
+    EXPECT_TRUE(guard.plausible(writer(1), 8));
+    EXPECT_TRUE(guard.plausible(writer(2), 7)) << "another writer";
+    for (std::int64_t i = 8; i < 8 + static_cast<std::int64_t>(FragmentGuard::max_samples); ++i) {
+        ASSERT_TRUE(guard.plausible(writer(1), fragment(i, 1, 64, 256), true, moment));
+    }
+    EXPECT_FALSE(guard.plausible(writer(1), 7)) << "forgotten";
+}
+
 TEST(FragmentGuard, ForgottenSamplesStayRefused) {
     FragmentGuard guard;
     const auto most = static_cast<std::int64_t>(FragmentGuard::max_samples);

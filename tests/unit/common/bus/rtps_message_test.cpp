@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <vector>
 
@@ -222,16 +223,80 @@ TEST(RtpsMessage, TokenThatCountsTooMuchIsRefused) {
     EXPECT_FALSE(with_properties(255));
 }
 
-TEST(RtpsMessage, TypeDescriptionsAreReported) {
-    const Message message = announcement_with(0x75, {1, 2, 3, 4, 5, 6, 7, 8});
-    std::vector<Bytes> found;
+// Found by fuzz-library: Fast DDS 2.9.1 appends 2^32 numbers for a parameter of four bytes.
+TEST(RtpsMessage, ListThatCountsTooMuchIsRefused) {
+    EXPECT_TRUE(announcement_with(0x73, {2, 0, 0, 0, 0, 0, 2, 0}).passes()) << "data representations";
+    EXPECT_FALSE(announcement_with(0x73, {3, 0, 0, 0, 0, 0, 2, 0}).passes());
+    EXPECT_FALSE(announcement_with(0x73, {255, 255, 255, 255}).passes());
+    EXPECT_TRUE(announcement_with(0x8006, {1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8}).passes()) << "domains";
+    EXPECT_FALSE(announcement_with(0x8006, {2, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8}).passes());
+}
+
+// The library goes back in the datagram by a length of 2^32 - 4, and so reads 2^32 names in one place.
+TEST(RtpsMessage, PartitionNameBeyondItsEndIsRefused) {
+    EXPECT_TRUE(announcement_with(0x29, {0, 0, 0, 0}).passes());
+    EXPECT_TRUE(
+        announcement_with(0x29, {2, 0, 0, 0, 2, 0, 0, 0, 'a', 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}).passes());
+    EXPECT_FALSE(announcement_with(0x29, {2, 0, 0, 0, 2, 0, 0, 0, 'a', 0, 0, 0}).passes())
+        << "one is missing";
+    EXPECT_FALSE(announcement_with(0x29, {1, 0, 0, 0, 2, 0, 0, 0, 'a', 'b', 0, 0}).passes()) << "no end";
+    EXPECT_FALSE(announcement_with(0x29, {1, 0, 0, 0, 9, 0, 0, 0, 'a', 0, 0, 0}).passes());
+    EXPECT_FALSE(announcement_with(0x29, {255, 255, 255, 255, 252, 255, 255, 255}).passes());
+}
+
+/// The message as the library receives it.
+std::vector<std::uint8_t> as_passed_on(const Message& message) {
+    std::vector<std::uint8_t> out = message.bytes();
     EXPECT_TRUE(is_well_formed(message.bytes(), [&](const WriterSubmessage& written) {
-        found = written.type_descriptions;
+        for (const Replacement& one : written.replacements) {
+            EXPECT_EQ(one.place.size(), one.by.size());
+            std::ranges::copy(one.by, out.begin() + (one.place.data() - message.bytes().data()));
+        }
         return false;
     }));
-    ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found[0].size(), 8u);
-    EXPECT_EQ(found[0].data() - message.bytes().data(), 20 + 4 + 20 + 4 + 4);
+    return out;
+}
+
+TEST(RtpsMessage, TypeDescriptionsBecomePadding) {
+    const Message message = announcement_with(0x75, {1, 2, 3, 4, 5, 6, 7, 8});
+    const Message padding = announcement_with(0x00, {1, 2, 3, 4, 5, 6, 7, 8});
+    EXPECT_EQ(as_passed_on(message), padding.bytes());
+}
+
+// Found by fuzz-library: an assertion of Fast DDS 2.9.1 (DataReaderHistory::update_instance_nts) when the
+// bitmap names a sample of which only some fragments have come.
+TEST(RtpsMessage, GapIsCutOffAtItsFirstHole) {
+    const auto gap = [](std::int64_t base, std::uint32_t bits, std::initializer_list<std::uint32_t> words) {
+        Message message;
+        message.submessage(0x08, 28 + 4 * static_cast<std::uint32_t>(words.size()));
+        message.reader().writer().number(1).number(base).u32(bits);
+        for (const std::uint32_t word : words) {
+            message.u32(word);
+        }
+        return message;
+    };
+    EXPECT_EQ(as_passed_on(gap(3, 8, {0x39000000})), gap(3, 8, {0}).bytes()) << "names 5, 6, 7 and 10";
+    EXPECT_EQ(as_passed_on(gap(3, 8, {0xf9000000})), gap(8, 8, {0}).bytes()) << "names 3 to 7, and 10";
+    EXPECT_EQ(as_passed_on(gap(3, 40, {0xffffffff, 0xf0000000})), gap(39, 40, {0, 0}).bytes());
+    EXPECT_EQ(as_passed_on(gap(3, 0, {})), gap(3, 0, {}).bytes());
+    EXPECT_EQ(as_passed_on(gap(3, 8, {0x00ffffff})), gap(3, 8, {0x00ffffff}).bytes())
+        << "bits beyond those counted name nothing";
+}
+
+TEST(RtpsMessage, GapInBigEndianIsCutOffLikewise) {
+    Message message;
+    message.put({0x08, 0, 0, 32}).reader().writer();
+    const auto big = [&](std::initializer_list<int> words) {
+        for (const int word : words) {
+            message.put({0, 0, 0, word});
+        }
+    };
+    big({0, 1, 0, 3, 8});
+    message.put({0xc0, 0, 0, 0});
+    auto expected = message.bytes();
+    expected[expected.size() - 9] = 5;
+    expected[expected.size() - 4] = 0;
+    EXPECT_EQ(as_passed_on(message), expected);
 }
 
 TEST(RtpsMessage, LocatorsBeyondThisMachineAreReported) {

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+//
+// Reference: what Fast DDS 2.9.1 believes of announcements that anyone can send (PDPListener,
+// CVE-2023-50257).
+#include "common/bus/guard/announcement_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace eti::bus {
+namespace {
+
+using namespace std::chrono_literals;
+
+const AnnouncementGuard::Clock::time_point moment{1h};
+const std::vector<std::uint8_t> first = {1, 2, 3, 4}, other = {1, 2, 3, 5};
+
+std::array<std::uint8_t, 12> participant(std::uint32_t n) {
+    return {1, 15, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)};
+}
+
+TEST(AnnouncementGuard, FirstAnnouncementStandsWhileRepeated) {
+    AnnouncementGuard guard;
+    for (auto now = moment; now < moment + 60s; now += 500ms) {
+        EXPECT_TRUE(guard.plausible(participant(1), {first}, now));
+        EXPECT_FALSE(guard.plausible(participant(1), {other}, now)) << "other addresses, or another lease";
+        EXPECT_TRUE(guard.plausible(participant(2), {other}, now));
+    }
+}
+
+TEST(AnnouncementGuard, SilentParticipantMayChange) {
+    AnnouncementGuard guard;
+    ASSERT_TRUE(guard.plausible(participant(1), {first}, moment));
+    const auto later = moment + AnnouncementGuard::stands_for;
+    EXPECT_FALSE(guard.plausible(participant(1), {other}, later - 1ms));
+    EXPECT_TRUE(guard.plausible(participant(1), {other}, later)) << "refused ones keep nothing alive";
+    EXPECT_FALSE(guard.plausible(participant(1), {first}, later));
+}
+
+TEST(AnnouncementGuard, GoodbyeIsRefused) {
+    AnnouncementGuard guard;
+    EXPECT_FALSE(guard.plausible(participant(1), {.content = first, .goodbye = true}, moment));
+    ASSERT_TRUE(guard.plausible(participant(1), {first}, moment));
+    EXPECT_FALSE(guard.plausible(participant(1), {.content = {}, .goodbye = true}, moment));
+    EXPECT_TRUE(guard.plausible(participant(1), {first}, moment));
+}
+
+TEST(AnnouncementGuard, AnnouncementOfAnotherIsRefused) {
+    AnnouncementGuard guard;
+    EXPECT_FALSE(guard.plausible(participant(1), {.content = first, .of_another = true}, moment));
+}
+
+TEST(AnnouncementGuard, ManyStrangersDoNotGrowIt) {
+    AnnouncementGuard guard;
+    ASSERT_TRUE(guard.plausible(participant(1), {first}, moment));
+    for (std::uint32_t i = 2; i < 2 + AnnouncementGuard::max_participants; ++i) {
+        ASSERT_TRUE(guard.plausible(participant(i), {first}, moment + std::chrono::milliseconds(i)));
+    }
+    EXPECT_TRUE(guard.plausible(participant(1), {other}, moment + 1s)) << "forgotten";
+}
+
+}  // namespace
+}  // namespace eti::bus
