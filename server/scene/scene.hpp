@@ -58,6 +58,8 @@ class Scene {
   public:
     Scene(const patient::Patient& patient, const Laryngoscope& scope, const Tube& tube, const Inputs& start,
           const Settings& settings);
+    Scene(const Scene&) = delete;  // the shell refers to the bones
+    Scene& operator=(const Scene&) = delete;
 
     /// Advances by one step of 1/180 s, in the stages declared below. Calls `proxy_moved`, on the calling
     /// thread, with the step's proxy as soon as the rigid layer has finished, long before the tissue has.

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const AnnouncementGuard::Clock::time_point moment{1h};
+const AnnouncementGuard::Clock::time_point announced{1h};
 const std::vector<std::uint8_t> first = {1, 2, 3, 4}, other = {1, 2, 3, 5};
 
 std::array<std::uint8_t, 12> participant(std::uint32_t n) {
@@ -23,7 +23,7 @@ std::array<std::uint8_t, 12> participant(std::uint32_t n) {
 
 TEST(AnnouncementGuard, FirstAnnouncementStandsWhileRepeated) {
     AnnouncementGuard guard;
-    for (auto now = moment; now < moment + 60s; now += 500ms) {
+    for (auto now = announced; now < announced + 60s; now += 500ms) {
         EXPECT_TRUE(guard.plausible(participant(1), {first}, now));
         EXPECT_FALSE(guard.plausible(participant(1), {other}, now)) << "other addresses, or another lease";
         EXPECT_TRUE(guard.plausible(participant(2), {other}, now));
@@ -32,8 +32,8 @@ TEST(AnnouncementGuard, FirstAnnouncementStandsWhileRepeated) {
 
 TEST(AnnouncementGuard, SilentParticipantMayChange) {
     AnnouncementGuard guard;
-    ASSERT_TRUE(guard.plausible(participant(1), {first}, moment));
-    const auto later = moment + AnnouncementGuard::stands_for;
+    ASSERT_TRUE(guard.plausible(participant(1), {first}, announced));
+    const auto later = announced + AnnouncementGuard::stands_for;
     EXPECT_FALSE(guard.plausible(participant(1), {other}, later - 1ms));
     EXPECT_TRUE(guard.plausible(participant(1), {other}, later)) << "refused ones keep nothing alive";
     EXPECT_FALSE(guard.plausible(participant(1), {first}, later));
@@ -41,24 +41,24 @@ TEST(AnnouncementGuard, SilentParticipantMayChange) {
 
 TEST(AnnouncementGuard, GoodbyeIsRefused) {
     AnnouncementGuard guard;
-    EXPECT_FALSE(guard.plausible(participant(1), {.content = first, .goodbye = true}, moment));
-    ASSERT_TRUE(guard.plausible(participant(1), {first}, moment));
-    EXPECT_FALSE(guard.plausible(participant(1), {.content = {}, .goodbye = true}, moment));
-    EXPECT_TRUE(guard.plausible(participant(1), {first}, moment));
+    EXPECT_FALSE(guard.plausible(participant(1), {.content = first, .goodbye = true}, announced));
+    ASSERT_TRUE(guard.plausible(participant(1), {first}, announced));
+    EXPECT_FALSE(guard.plausible(participant(1), {.content = {}, .goodbye = true}, announced));
+    EXPECT_TRUE(guard.plausible(participant(1), {first}, announced));
 }
 
 TEST(AnnouncementGuard, AnnouncementOfAnotherIsRefused) {
     AnnouncementGuard guard;
-    EXPECT_FALSE(guard.plausible(participant(1), {.content = first, .of_another = true}, moment));
+    EXPECT_FALSE(guard.plausible(participant(1), {.content = first, .of_another = true}, announced));
 }
 
 TEST(AnnouncementGuard, ManyStrangersDoNotGrowIt) {
     AnnouncementGuard guard;
-    ASSERT_TRUE(guard.plausible(participant(1), {first}, moment));
+    ASSERT_TRUE(guard.plausible(participant(1), {first}, announced));
     for (std::uint32_t i = 2; i < 2 + AnnouncementGuard::max_participants; ++i) {
-        ASSERT_TRUE(guard.plausible(participant(i), {first}, moment + std::chrono::milliseconds(i)));
+        ASSERT_TRUE(guard.plausible(participant(i), {first}, announced + std::chrono::milliseconds(i)));
     }
-    EXPECT_TRUE(guard.plausible(participant(1), {other}, moment + 1s)) << "forgotten";
+    EXPECT_TRUE(guard.plausible(participant(1), {other}, announced + 1s)) << "forgotten";
 }
 
 }  // namespace
