@@ -327,6 +327,9 @@ bool SessionWriter::Impl::was_overwritten() {
 }
 
 void SessionWriter::Impl::fail(const std::string& reason) {
+    if (was_overwritten()) {  // the reason is its consequence
+        return;
+    }
     end_recording(
         fmt::format("{}: recording stopped: {}. The recording up to then is kept. Remedy: free some "
                     "space on the disk or record elsewhere, then run: eti-review check --repair {}",

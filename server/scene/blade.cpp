@@ -56,6 +56,11 @@ void BladeContact::wake(pbd::SoftBody& body, const RigidTransform& from, const R
     }
 }
 
+void BladeContact::reset() {
+    std::ranges::fill(impulse_, Vec3f::Zero());
+    torque_impulse_.setZero();
+}
+
 void BladeContact::begin_step(const pbd::Particles& particles, const RigidTransform& from,
                               const RigidTransform& to) {
     from_ = from;

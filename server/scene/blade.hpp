@@ -29,6 +29,9 @@ class BladeContact {
     /// Wakes tissue that the blade may touch on its way from `from` to `to`. Call before begin_step().
     void wake(pbd::SoftBody& body, const RigidTransform& from, const RigidTransform& to) const;
 
+    /// Forgets the impulses of the last step.
+    void reset();
+
     /// Starts a step in which the blade moves from `from` to `to`; selects the particles within reach.
     void begin_step(const pbd::Particles& particles, const RigidTransform& from, const RigidTransform& to);
 

@@ -71,6 +71,9 @@ void PosedShell::move(const patient::BonePoses& bones) {
 
 void PosedShell::pose(const patient::BonePoses& bones) {
     move(bones);
+    if (skeleton_ != nullptr) {
+        motion_.update(*skeleton_);
+    }
     stale_ = true;
     if (!pending_.valid()) {
         start();
@@ -146,6 +149,9 @@ void PosedShell::advance() {
         motion_.update(*skeleton_);
     }
     if (stale_) {
+        if (skeleton_ != nullptr) {
+            move(skeleton_->bones());  // the grid's and the walls' reference
+        }
         start();
     }
 }

@@ -27,11 +27,12 @@ template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
     hash.bytes(vector.data(), sizeof(Scalar) * rows);
 }
-/// Contacts as between blade and the mucosa of gums and palate, about 1.5 mm of 1 to 3 MPa on bone.
+/// Contacts as between blade and mucosa on bone: 20 mm^2 of 1.5 mm and 3 MPa.
 rigid::Settings compliant(rigid::Settings settings) {
-    settings.contact_stiffness = 20e3f;
-    settings.contact_damping = 20.0f;
-    settings.penetration_tolerance = 0.5e-3f;
+    settings.contact_stiffness = 40e3f;
+    settings.contact_damping = 30.0f;
+    // A single contact under the hand's greatest force must not count as penetrating.
+    settings.penetration_tolerance = settings.force_limit / settings.contact_stiffness;
     return settings;
 }
 void add(Hash& hash, const RigidTransform& pose) {
@@ -127,6 +128,7 @@ void Scene::reset(const Inputs& start) {
 
 void Scene::place_laryngoscope(const RigidTransform& pose) {
     rigid_.reset(pose);
+    blade_.reset();
     blade_pose_ = pose;
     wake_tissue();  // tissue on which the blade pressed
 }

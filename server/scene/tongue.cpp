@@ -105,7 +105,7 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
     const bool drawn = is_drawn();
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (drawn && moved_[used[k]]) {
-            mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k)});
+            mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k), false});
         }
         if (!push_[k].isZero(0.0f)) {
             mesh_.springs.push_back(

@@ -49,8 +49,10 @@ class Tongue {
     /// Calls body(spring) for the springs of the last solve that stand for tissue outside the mesh.
     template <class Body>
     void for_attachments(const Body& body) const {
-        if (!is_drawn()) {
-            std::ranges::for_each(mesh_.springs, body);
+        for (const pbd::ImplicitMesh::Spring& spring : mesh_.springs) {
+            if (spring.attachment) {
+                body(spring);
+            }
         }
     }
     /// Calls body(contact) for contacts of the last solve with the shell.

@@ -145,6 +145,11 @@ class ReceiveFilter final : public ForwardingTransport {
                 return true;
             }
             if (written.fragments &&
+                !ask_.reached->plausible(written.writer, written.fragments->sequence_number, from_owner())) {
+                fault = "has fragments of a sample that its writer cannot have reached";
+                return true;
+            }
+            if (written.fragments &&
                 !ask_.fragments->plausible(written.writer, *written.fragments, from_owner())) {
                 fault = "has fragments that do not belong together";
                 return true;

@@ -153,6 +153,10 @@ class Session {
             }
         }
         service_.ending();
+        if (input_) {  // a note that was acknowledged must not be lost
+            input_->poll();
+            take_annotations();
+        }
         log_state();
         assessment_->finish();
         const bool kept = !recorder_ || recorder_->finish();

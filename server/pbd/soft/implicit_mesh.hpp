@@ -56,6 +56,8 @@ class ImplicitMesh {
         std::uint32_t particle = 0;
         Vec3f to = Vec3f::Zero();
         float stiffness = 0.0f;  ///< [N/m]
+        bool attachment =
+            true;  ///< to something outside the mesh that bears its force; the solver ignores it
     };
     /// All are filled by the caller; particles of springs must be free corners.
     std::vector<Spring> springs;

@@ -142,6 +142,9 @@ void Sleep::wake_all(Particles& particles) {
 }
 
 void Sleep::wake(Particles& particles, std::uint32_t particle) {
+    if (!enabled()) {
+        return;
+    }
     for (std::uint32_t k = first_mover_[particle]; k < first_mover_[particle + 1]; ++k) {
         wake_group(particles, movers_[k]);
     }

@@ -31,15 +31,17 @@ SkeletonCoupling::SkeletonCoupling(const patient::Patient& patient, const SoftTi
     for (std::uint32_t i = 0; i < count; ++i) {
         hyoid_share_.push_back(skeleton_.hyoid_share(patient.particles.rest[i]));
     }
-    std::vector<bool> in_mesh(count, false);
+    in_mesh_.assign(count, false);
     const pbd::ImplicitMesh& mesh = tissue.tongue().mesh();
+    for (const std::uint32_t i : mesh.particles()) {
+        in_mesh_[i] = true;
+    }
     for (const std::uint32_t k : mesh.held()) {
         const std::uint32_t i = mesh.particles()[k];
-        in_mesh[i] = true;
         of_mesh_.push_back({i, carrier_of(i)});
     }
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (patient.particles.mass[i] == 0.0f && !in_mesh[i]) {
+        if (patient.particles.mass[i] == 0.0f && !in_mesh_[i]) {
             others_.push_back({i, carrier_of(i)});
         }
     }
@@ -89,7 +91,7 @@ void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_st
         skeleton_.add_load(skeleton_.columns_at(p.position[particle], carrier_of(particle)), force);
     };
     blade.for_impulses([&](std::uint32_t particle, const Vec3f& impulse) {
-        if (!tissue.tongue().moves(particle)) {
+        if (!in_mesh_[particle]) {  // the mesh itself passes on what acts on its corners
             pass_on(particle, impulse / step_duration);
         }
     });

@@ -56,6 +56,7 @@ class SkeletonCoupling {
 
     const patient::Patient& patient_;
     YieldingSkeleton skeleton_;
+    std::vector<bool> in_mesh_;           // [particles]: corner of the mesh
     std::vector<float> hyoid_share_;      // [particles]
     std::vector<Held> of_mesh_, others_;  // particles that bone holds
     YieldingSkeleton::Vector held_at_ = YieldingSkeleton::Vector::Zero();

@@ -111,7 +111,8 @@ WallMotion::Place WallMotion::place_of(const Vec3f& point) const {
     for (int k = 0; k < 3; ++k) {
         const auto n = static_cast<std::size_t>(k);
         const float last = static_cast<float>(size_[n] - 2);
-        const float at = std::clamp((point[k] - origin_[k]) / lattice_spacing, 0.0f, last);
+        // In this order NaN becomes 0.
+        const float at = std::min(std::max(0.0f, (point[k] - origin_[k]) / lattice_spacing), last);
         const float whole = std::min(std::floor(at), last - 1.0f);
         cell[n] = static_cast<std::size_t>(whole);
         place.share[k] = at - whole;

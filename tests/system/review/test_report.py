@@ -184,8 +184,12 @@ class Report(support.Case):
         self.assert_quiet()
         self.assertLess(self.file.stat().st_size, 2 * 15e6)
         self.browser.execute_script("scrollTo(0, 0)")
-        with Image.open(self.keep("desktop")) as picture:
-            self.assertGreater(numpy.asarray(picture.convert("L")).std(), 10)
+
+        def is_painted():
+            with Image.open(self.keep("desktop")) as picture:
+                return numpy.asarray(picture.convert("L")).std() > 10
+
+        support.wait_until(is_painted, "the page's picture")
 
     def tap(self, element):
         """A touch, as on a phone."""

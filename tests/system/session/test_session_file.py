@@ -2,6 +2,7 @@
 # Copyright the NeoETI authors
 """Session files, finished, killed, truncated and damaged, as read by eti-review, h5dump and h5py."""
 
+import contextlib
 import csv
 import json
 import os
@@ -258,7 +259,8 @@ class SessionFile(support.Case):
         os.kill(reader, signal.SIGSTOP)  # so that it is not done before the signal
         process.send_signal(signal.SIGTERM)
         time.sleep(0.3)
-        os.kill(reader, signal.SIGCONT)
+        with contextlib.suppress(ProcessLookupError):  # ended already
+            os.kill(reader, signal.SIGCONT)
         out, said = process.communicate(timeout=10)
         self.assertEqual(process.returncode, 130, said)
         self.assertEqual((out, said), ("", ""))

@@ -43,6 +43,8 @@ OPTIONAL = {
     ("deploy/setup.sh", "sudo"),
     ("deploy/try_bare.sh", "git"),      # without a clone, files are copied without it
     ("tests/unit/deploy/test_build_options.py", "node"),    # a name that the test gives to a script of its own
+    ("tests/unit/deploy/test_build_options.py", "clang++-16"),    # skipped without it
+    ("tests/system/install/test_packages.py", "lintian"),         # skipped without it
     ("tests/unit/structure/test_contributing.py", "git"),   # history is compared where there is one
 }
 

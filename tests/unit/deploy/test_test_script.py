@@ -69,7 +69,7 @@ class TestScript(unittest.TestCase):
             self.assertIn(f"Failed: a session by build/{preset}", done.stderr)
 
     def test_sanitize_refuses_unknown_options(self):
-        for options, said in ((("--only", "msan"), "fuzz asan tsan"), (("--runs", "1e7"), "whole number"),
+        for options, said in ((("--only", "msan"), "fuzz library asan tsan"), (("--runs", "1e7"), "whole number"),
                               (("--reader", "../x/none"), "--reader"), (("--out",), "--help"), (("--all",), "Usage")):
             with self.subTest(options=options):
                 done = self.run_tests("", *options, script="sanitize.sh")

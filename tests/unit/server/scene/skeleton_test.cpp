@@ -295,6 +295,39 @@ TEST_P(SceneSkeletonTest, JawThrownAboutComesToRest) {
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 2e-3f);
 }
 
+TEST_P(SceneSkeletonTest, BonesYieldWithoutSleep) {
+    Settings settings{.tissue_method = GetParam(), .rigid = {}, .bones_yield = true, .sleep = false};
+    Scene scene(test::coarse_newborn(), scope_, Tube{}, away_, settings);
+    press(scene, 14e-3f);
+    EXPECT_GT(scene.skeleton()->offset()[YieldingSkeleton::jaw_opening], 8e-3f);
+}
+
+TEST_P(SceneSkeletonTest, ResetForgetsLoads) {
+    Scene scene = make();
+    press(scene, 14e-3f);
+    scene.reset(away_);
+    scene.step(away_);
+    EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 1e-7f);
+}
+
+// The hand's greatest force is 60 N; the blade that tissue meets must not stay behind before.
+TEST_P(SceneSkeletonTest, BladeOnTheGumIsWhereItsProxyIs) {
+    Scene scene = make();
+    Inputs inputs = pressing(4e-3f);
+    scene.place_laryngoscope(inputs.laryngoscope);
+    float largest = 0.0f;
+    for (int k = 0; k < 90; ++k) {
+        // The blade's middle is drawn up against the gum.
+        inputs.laryngoscope.translation.z() += 0.3e-3f;
+        scene.step(inputs);
+        const Snapshot& s = scene.snapshot();
+        largest = std::max(largest, s.shell_force.norm());
+        ASSERT_LT((s.last_free.translation - s.proxy.translation).norm(), 0.2e-3f)
+            << s.shell_force.norm() << " N";
+    }
+    EXPECT_GT(largest, 5.0f);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, SceneSkeletonTest,
                          ::testing::Values(TissueMethod::implicit, TissueMethod::hexahedra),
                          [](const auto& method) { return std::string(name_of(method.param)); });
