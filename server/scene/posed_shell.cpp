@@ -71,9 +71,7 @@ void PosedShell::move(const patient::BonePoses& bones) {
 
 void PosedShell::pose(const patient::BonePoses& bones) {
     move(bones);
-    if (skeleton_ != nullptr) {
-        motion_.update(*skeleton_);
-    }
+    update_walls();
     stale_ = true;
     if (!pending_.valid()) {
         start();
@@ -102,9 +100,15 @@ void PosedShell::take() {
     ++revision_;
 }
 
+void PosedShell::update_walls() {
+    if (skeleton_ != nullptr) {
+        motion_.update(*skeleton_);
+    }
+}
+
 void PosedShell::yield() {
     move(skeleton_->bones());
-    motion_.update(*skeleton_);
+    update_walls();
 }
 
 YieldingSkeleton::Carrier PosedShell::carrier_of(std::uint32_t triangle) const {
@@ -123,9 +127,7 @@ void PosedShell::pose_now(const patient::BonePoses& bones) {
     const std::vector<Vec3f> before = vertices_;
     move(bones);
     if (grid_is_of_mesh && vertices_ == before) {  // as after a reset: nothing to compute
-        if (skeleton_ != nullptr) {
-            motion_.update(*skeleton_);
-        }
+        update_walls();
         ++revision_;
         return;
     }
@@ -145,9 +147,7 @@ void PosedShell::advance() {
         return;
     }
     take();
-    if (skeleton_ != nullptr) {
-        motion_.update(*skeleton_);
-    }
+    update_walls();
     if (stale_) {
         if (skeleton_ != nullptr) {
             move(skeleton_->bones());  // the grid's and the walls' reference

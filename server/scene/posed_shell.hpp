@@ -54,6 +54,7 @@ class PosedShell {
         WallMotion motion;
     };
     void move(const patient::BonePoses& bones);
+    void update_walls();
     void start();
     void take();
 

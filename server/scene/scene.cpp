@@ -27,9 +27,11 @@ template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
     hash.bytes(vector.data(), sizeof(Scalar) * rows);
 }
-/// Contacts as between blade and mucosa on bone: 20 mm^2 of 1.5 mm and 3 MPa.
+constexpr float mucosa_stiffness = 40e3f;  // [N/m], of a contact: 20 mm^2 of 1.5 mm and 3 MPa on bone
+
+/// Contacts of the blade where bones yield.
 rigid::Settings compliant(rigid::Settings settings) {
-    settings.contact_stiffness = 40e3f;
+    settings.contact_stiffness = mucosa_stiffness;
     settings.contact_damping = 30.0f;
     // A single contact under the hand's greatest force must not count as penetrating.
     settings.penetration_tolerance = settings.force_limit / settings.contact_stiffness;
@@ -188,7 +190,7 @@ void Scene::load_bones() {
     if (!bones_) {
         return;
     }
-    bones_->gather_loads(snapshot_, compliant(settings_.rigid).contact_stiffness, blade_, shell_, tissue_);
+    bones_->gather_loads(snapshot_, mucosa_stiffness, blade_, shell_, tissue_);
     pbd::SoftBody& body = tissue_.body();
     if (!body.sleep.mesh_awake() && bones_->needs_step()) {
         body.sleep.wake(body.particles, tissue_.tongue().any_moved());

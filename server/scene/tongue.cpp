@@ -102,7 +102,7 @@ bool Tongue::update_tools_away(bool away) {
 void Tongue::gather_springs(const pbd::Particles& particles) {
     mesh_.springs = cluster_springs_;
     const auto used = mesh_.particles();
-    const bool drawn = is_drawn();
+    const bool drawn = away_ > relax_begin && away_ < relax_end;
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (drawn && moved_[used[k]]) {
             mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k), false});

@@ -97,8 +97,6 @@ class Tongue {
   private:
     /// Sets the masses that substeps see: a particle's own stiffness over one substep.
     void set_substep_masses(pbd::Particles& particles) const;
-    /// Whether it is drawn to its rest shape.
-    [[nodiscard]] bool is_drawn() const { return away_ > relax_begin && away_ < relax_end; }
     void gather_springs(const pbd::Particles& particles);
 
     pbd::ImplicitMesh mesh_;

@@ -36,7 +36,7 @@ WallMotion::WallMotion(std::span<const Vec3f> posed, std::span<const Carrier> ca
     }
     const std::size_t count = size_[0] * size_[1] * size_[2];
     displacement_.assign(count, Vec3f::Zero());
-    weight_.assign(count, 0.0f);
+    std::vector<float> weights(count, 0.0f);  // 0 far from all walls
     carrier_.assign(count, {});
     // Each vertex counts for the nodes around it, the more the nearer.
     for (std::size_t v = 0; v < posed.size(); ++v) {
@@ -49,7 +49,7 @@ WallMotion::WallMotion(std::span<const Vec3f> posed, std::span<const Carrier> ca
                     const Vec3f node(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
                     const float squared = (node - at).squaredNorm();
                     const float weight = 1.0f / ((0.05f + squared) * (0.05f + squared));
-                    weight_[n] += weight;
+                    weights[n] += weight;
                     for (std::size_t b = 0; b < patient::bone_count; ++b) {
                         carrier_[n].bones[b] += weight * carriers[v].bones[b];
                     }
@@ -59,16 +59,16 @@ WallMotion::WallMotion(std::span<const Vec3f> posed, std::span<const Carrier> ca
         }
     }
     for (std::uint32_t n = 0; n < count; ++n) {
-        if (weight_[n] == 0.0f) {
+        if (weights[n] == 0.0f) {
             continue;
         }
         Carrier& carrier = carrier_[n];
         for (float& share : carrier.bones) {
-            share /= weight_[n];
+            share /= weights[n];
         }
-        carrier.hyoid /= weight_[n];
+        carrier.hyoid /= weights[n];
         if (carrier.bones[0] < 1.0f || carrier.hyoid > 0.0f) {
-            nodes_.push_back({n, carrier});
+            nodes_.push_back(n);
         }
     }
 }
@@ -87,19 +87,19 @@ void WallMotion::update(const YieldingSkeleton& skeleton) {
     }
     float farthest = 0.0f;
     float most = 0.0f;
-    for (const Node& node : nodes_) {
-        const Vec3f at = position_of(node.number);
+    for (const std::uint32_t n : nodes_) {
+        const Carrier& carrier = carrier_[n];
+        const Vec3f at = position_of(n);
         Vec3f to = -at;
         for (std::size_t b = 0; b < patient::bone_count; ++b) {
-            to += node.carrier.bones[b] * (since[b] * at);
+            to += carrier.bones[b] * (since[b] * at);
         }
-        if (node.carrier.hyoid > 0.0f) {
-            to += node.carrier.hyoid *
-                  (skeleton.offset() - reference_).segment<3>(YieldingSkeleton::hyoid_left);
+        if (carrier.hyoid > 0.0f) {
+            to += carrier.hyoid * (skeleton.offset() - reference_).segment<3>(YieldingSkeleton::hyoid_left);
         }
-        farthest = std::max(farthest, (to - displacement_[node.number]).squaredNorm());
+        farthest = std::max(farthest, (to - displacement_[n]).squaredNorm());
         most = std::max(most, to.squaredNorm());
-        displacement_[node.number] = to;
+        displacement_[n] = to;
     }
     travel_ += std::sqrt(farthest);
     moved_ = most > still * still;

@@ -39,10 +39,6 @@ class WallMotion {
     [[nodiscard]] float travel() const { return travel_; }
 
   private:
-    struct Node {
-        std::uint32_t number;
-        YieldingSkeleton::Carrier carrier;
-    };
     /// Lattice cell of a point, and its place in it from 0 to 1.
     struct Place {
         std::size_t first = 0;
@@ -54,9 +50,8 @@ class WallMotion {
 
     Vec3f origin_ = Vec3f::Zero();  // [m]
     std::array<std::size_t, 3> size_{};
-    std::vector<Node> nodes_;            // those near a wall that moves
+    std::vector<std::uint32_t> nodes_;   // those near a wall that moves
     std::vector<Vec3f> displacement_;    // [lattice nodes][m]
-    std::vector<float> weight_;          // [lattice nodes]: 0 far from all walls
     patient::BonePoses from_reference_;  // inverse poses of the bones in the reference configuration
     YieldingSkeleton::Vector reference_ = YieldingSkeleton::Vector::Zero();
     float travel_ = 0.0f;

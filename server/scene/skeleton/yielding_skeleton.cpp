@@ -114,40 +114,28 @@ Vec3f YieldingSkeleton::pose_point(const Vec3f& rest, const Carrier& carrier) co
 }
 
 Columns YieldingSkeleton::columns(const Vec3f& rest, const Carrier& carrier) const {
-    Columns out;
-    out.fill(Eigen::Vector4f::Zero());
     const float on_skull = carrier.bones[skull];
     const float on_mandible = carrier.bones[mandible];
-    const Vec3f forward = poses_[skull].rotation * Vec3f(0.0f, -1.0f, 0.0f);
-    if (on_skull + on_mandible > 0.0f) {
-        const Vec3f neck = poses_[skull] * joints_.neck_joint;
-        const Vec3f moved = on_skull * (poses_[skull] * rest) + on_mandible * (poses_[mandible] * rest);
-        out[head_extension].head<3>() = -Vec3f::UnitX().cross(moved - (on_skull + on_mandible) * neck);
-        out[head_lift].y() = -(on_skull + on_mandible);
-    }
-    if (on_mandible > 0.0f) {
-        const Vec3f joint = poses_[mandible] * joints_.jaw_joint;
-        out[jaw_opening].head<3>() = on_mandible * (Vec3f::UnitX().cross(poses_[mandible] * rest - joint) +
-                                                    joints_.jaw_slide_per_radian * forward);
-        out[jaw_slide].head<3>() = on_mandible * forward;
-    }
-    out[hyoid_left].x() = carrier.hyoid;
-    out[hyoid_back].y() = carrier.hyoid;
-    out[hyoid_up].z() = carrier.hyoid;
-    return out;
+    const Vec3f neck = poses_[skull] * joints_.neck_joint;
+    const Vec3f moved = on_skull * (poses_[skull] * rest) + on_mandible * (poses_[mandible] * rest);
+    return columns_about(moved - (on_skull + on_mandible) * neck, poses_[mandible] * rest, carrier);
 }
 
 Columns YieldingSkeleton::columns_at(const Vec3f& posed, const Carrier& carrier) const {
+    const float on_head = carrier.bones[skull] + carrier.bones[mandible];
+    return columns_about(on_head * (posed - poses_[skull] * joints_.neck_joint), posed, carrier);
+}
+
+Columns YieldingSkeleton::columns_about(const Vec3f& neck_arm, const Vec3f& on_jaw,
+                                        const Carrier& carrier) const {
     Columns out;
     out.fill(Eigen::Vector4f::Zero());
-    const float on_head = carrier.bones[skull] + carrier.bones[mandible];
     const float on_mandible = carrier.bones[mandible];
     const Vec3f forward = poses_[skull].rotation * Vec3f(0.0f, -1.0f, 0.0f);
-    out[head_extension].head<3>() =
-        -on_head * Vec3f::UnitX().cross(posed - poses_[skull] * joints_.neck_joint);
-    out[head_lift].y() = -on_head;
+    out[head_extension].head<3>() = -Vec3f::UnitX().cross(neck_arm);
+    out[head_lift].y() = -(carrier.bones[skull] + on_mandible);
     out[jaw_opening].head<3>() =
-        on_mandible * (Vec3f::UnitX().cross(posed - poses_[mandible] * joints_.jaw_joint) +
+        on_mandible * (Vec3f::UnitX().cross(on_jaw - poses_[mandible] * joints_.jaw_joint) +
                        joints_.jaw_slide_per_radian * forward);
     out[jaw_slide].head<3>() = on_mandible * forward;
     out[hyoid_left].x() = carrier.hyoid;

@@ -110,6 +110,10 @@ class YieldingSkeleton {
 
   private:
     void place();
+    /// Jacobian of a point. `neck_arm` [m]: its arm about the neck's joint, by the weights of skull and
+    /// mandible; `on_jaw` [m]: where the mandible carries it.
+    [[nodiscard]] Bodies::Columns columns_about(const Vec3f& neck_arm, const Vec3f& on_jaw,
+                                                const Carrier& carrier) const;
     /// Restoring force at an offset, and its derivative.
     struct Restoring {
         float force = 0.0f, stiffness = 0.0f;
