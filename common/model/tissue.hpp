@@ -46,12 +46,11 @@ inline constexpr std::array<std::string_view, tissue_count> tissue_names = {
 
 /// Soft-tissue solver.
 enum class TissueMethod : std::uint8_t {
-    clusters,   ///< shape matching with compliance throughout
-    implicit,   ///< neo-Hookean tetrahedra in the tongue, which carries the blade's load, solved to
-                ///< convergence once per step; clusters elsewhere
-    hexahedra,  ///< tongue and epiglottis as one implicit mesh of 8-node hexahedra
+    clusters,  ///< shape matching with compliance throughout
+    implicit,  ///< tongue and epiglottis, which carry the blade's load, as one mesh of nearly incompressible
+               ///< 8-node hexahedra in an implicit step; clusters elsewhere
 };
-inline constexpr std::array<std::string_view, 3> tissue_method_names = {"clusters", "implicit", "hexahedra"};
+inline constexpr std::array<std::string_view, 2> tissue_method_names = {"clusters", "implicit"};
 
 [[nodiscard]] constexpr std::string_view name_of(TissueMethod method) {
     return tissue_method_names[static_cast<std::size_t>(method)];

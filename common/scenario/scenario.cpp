@@ -16,22 +16,22 @@ namespace eti {
 
 namespace {
 
-/// An XPBD tongue of earlier versions, `tetrahedra`, is read as implicit.
+/// Names of earlier versions, `hexahedra` and `tetrahedra`, are read as implicit.
 TissueMethod tissue_method_of(YamlMap& physics, TissueMethod fallback) {
     static constexpr std::array<std::string_view, 4> names = {"clusters", "implicit", "hexahedra",
                                                               "tetrahedra"};
     const std::size_t named = physics.choice(
         "tissue_method", static_cast<std::size_t>(fallback), names,
-        "How soft tissue is computed. `implicit`: the tongue by neo-Hookean tetrahedra with a converged "
-        "implicit step, all else by shape matching. `clusters`: everything by shape matching, which lets the "
-        "tongue be squeezed. `hexahedra`: tongue and epiglottis as one implicit mesh of nearly "
-        "incompressible "
-        "hexahedra (under test). `tetrahedra`, an XPBD tongue of earlier versions, is read as `implicit`");
+        "How soft tissue is computed. `implicit`: tongue and epiglottis as one mesh of nearly incompressible "
+        "hexahedra with a converged implicit step, all else by shape matching. `clusters`: everything by "
+        "shape matching, which lets the tongue be squeezed and holds bones fixed. `hexahedra` and "
+        "`tetrahedra`, of earlier versions, are read as `implicit`");
     if (named < tissue_method_names.size()) {
         return static_cast<TissueMethod>(named);
     }
-    spdlog::warn(
-        "physics.tissue_method: 'tetrahedra' (XPBD) no longer exists; 'implicit' solves the same mesh");
+    if (names[named] == "tetrahedra") {
+        spdlog::warn("physics.tissue_method: 'tetrahedra' (XPBD) no longer exists; using 'implicit'");
+    }
     return TissueMethod::implicit;
 }
 
@@ -169,13 +169,16 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
         }
-        p.bones_yield =
-            physics->flag("bones_yield", p.bones_yield,
-                          "Head, mandible and hyoid yield to the forces on them (under test); with "
-                          "`implicit` or `hexahedra`");
-        if (p.bones_yield && p.tissue_method == TissueMethod::clusters) {
-            physics->refuse("bones_yield", "on with 'tissue_method: clusters'",
-                            "'tissue_method: implicit' or 'hexahedra', whose step the bones are part of");
+        const bool wanted = physics->has("bones_yield");
+        p.bones_yield = physics->flag("bones_yield", p.bones_yield,
+                                      "Head, mandible and hyoid yield to the forces on them; always off with "
+                                      "`tissue_method: clusters`");
+        if (p.tissue_method == TissueMethod::clusters) {
+            if (wanted && p.bones_yield) {
+                physics->refuse("bones_yield", "on with 'tissue_method: clusters'",
+                                "'tissue_method: implicit', whose step the bones are part of");
+            }
+            p.bones_yield = false;
         }
         p.self_contact = physics->flag("self_contact", p.self_contact,
                                        "Self-contact of tongue, epiglottis and pharyngeal walls");

@@ -40,7 +40,7 @@ struct Scenario {
         float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx
         TissueMethod tissue_method = TissueMethod::implicit;
         float region = 7e-3f;       ///< [m], tissue farther than this from the airway moves with the bones
-        bool bones_yield = false;   ///< head, mandible and hyoid
+        bool bones_yield = true;    ///< head, mandible and hyoid, with an implicit mesh
         bool self_contact = false;  ///< contact between tissue and tissue
         bool sleep = true;          ///< tissue at rest is not simulated until something moves it
     } physics;

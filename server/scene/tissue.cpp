@@ -13,14 +13,13 @@
 #include "server/patient/model/tetrahedra_of.hpp"
 #include "server/pbd/contact/surface_edges.hpp"
 #include "server/pbd/soft/cluster_calibration.hpp"
-#include "server/pbd/soft/cluster_chain.hpp"
 
 namespace eti::scene {
 
 namespace {
 
-/// Input modulus [Pa] for a `wanted` one. Overlapping clusters are softer than each of them. Those of the
-/// epiglottis do not overlap and are practically rigid: it bends between them.
+/// Input modulus [Pa] for a `wanted` one. Overlapping clusters are softer than each of them; strips of the
+/// epiglottis are not calibrated.
 float input_modulus_of(const patient::Patient& patient, std::uint32_t cluster, float wanted, float substep) {
     if (patient.clusters.tissue[cluster] == Tissue::epiglottis) {
         return wanted;
@@ -73,26 +72,24 @@ bool lies_within(const std::vector<std::array<std::uint32_t, 4>>& solid, const s
     });
 }
 
-/// The epiglottis as a chain that bends from stalk to tip; empty if it is a single cluster.
-std::optional<pbd::ClusterChain> epiglottis_of(const patient::Patient& patient,
-                                               const pbd::ShapeMatching::Description& shapes,
-                                               const pbd::Particles& particles) {
-    pbd::ClusterChain::Description plate;
-    for (std::uint32_t c = 0; c < patient.clusters.size(); ++c) {
-        if (patient.clusters.tissue[c] == Tissue::epiglottis) {
-            const auto members = patient.clusters.members(c);
-            plate.clusters.emplace_back(members.begin(), members.end());
-            plate.youngs_modulus = patient.clusters.youngs_modulus[c];
+/// The plate's strips as clusters that each reach over their neighbours: a strip alone holds to nothing.
+void join_strips_of_epiglottis(const patient::Patient& patient, std::span<const std::uint32_t> wanted,
+                               pbd::ShapeMatching::Description& shapes) {
+    const auto is_strip = [&](std::size_t k) {
+        return k < wanted.size() && patient.clusters.tissue[wanted[k]] == Tissue::epiglottis;
+    };
+    const pbd::ShapeMatching::Description alone = shapes;
+    shapes.first.assign(1, 0);
+    shapes.member.clear();
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+        for (std::size_t n = k == 0 ? 0 : k - 1; n <= k + 1; ++n) {
+            if (n == k || (is_strip(k) && is_strip(n))) {
+                shapes.member.insert(shapes.member.end(), alone.member.begin() + alone.first[n],
+                                     alone.member.begin() + alone.first[n + 1]);
+            }
         }
+        shapes.first.push_back(static_cast<std::uint32_t>(shapes.member.size()));
     }
-    if (plate.clusters.size() < 2) {
-        return std::nullopt;
-    }
-    plate.fitting_mass = shapes.fitting_mass;
-    plate.volume = shapes.particle_volume;
-    pbd::ClusterChain chain;
-    chain.configure(plate, particles);
-    return chain;
 }
 
 }  // namespace
@@ -123,16 +120,10 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
         return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
     });
     std::vector<bool> meshed(set.size(), false);
-    if (method != TissueMethod::clusters) {
+    if (method == TissueMethod::implicit) {
         meshed_ = patient::tetrahedra_of(Tissue::tongue, patient);
-    }
-    if (method == TissueMethod::hexahedra) {
         std::ranges::copy(patient::tetrahedra_of(Tissue::epiglottis, patient), std::back_inserter(meshed_));
         cells_ = patient::cells_of(meshed_, patient);
-    } else {
-        for (const std::uint32_t t : meshed_) {
-            cells_.tetrahedra.push_back(patient.tetrahedra.corners[t]);
-        }
     }
     for (const std::uint32_t t : meshed_) {
         for (const std::uint32_t i : patient.tetrahedra.corners[t]) {
@@ -147,35 +138,27 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
             members, [&](std::uint32_t i) { return !meshed[i] && p.inverse_mass[i] > 0.0f; });
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
-    const pbd::ShapeMatching::Description held = description(held_clusters_, substep);
+    pbd::ShapeMatching::Description held = description(held_clusters_, substep);
+    if (method == TissueMethod::clusters) {
+        join_strips_of_epiglottis(patient, held_clusters_, held);
+    }
     const std::vector<float> own = p.inverse_mass;
     for (std::size_t i = 0; i < p.size(); ++i) {
         p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters do not move the mesh's particles
     }
     body_.shapes.configure(held, p);
     p.inverse_mass = own;
-    if (method != TissueMethod::clusters) {
+    if (method == TissueMethod::implicit) {
         pbd::ImplicitMesh::Description mesh;
         fill_moduli(patient.tissue_stiffness);
-        if (method == TissueMethod::implicit) {
-            tetrahedron_moduli_.clear();  // the model's own, as of its clusters and links
-            for (const std::uint32_t t : meshed_) {
-                tetrahedron_moduli_.push_back(patient.tetrahedra.youngs_modulus[t]);
-            }
-        }
         mesh.tetrahedra = {cells_.tetrahedra, tetrahedron_moduli_, tetrahedron_poisson_ratio};
         mesh.hexahedra = {cells_.hexahedra, hexahedron_moduli_, hexahedron_poisson_ratio};
-        tongue_.configure(mesh, surface_of_mesh(meshed, method), p, substep);
-        if (method == TissueMethod::hexahedra) {
-            tongue_.keep_apart(solid());
-        }
+        tongue_.configure(mesh, surface_of_mesh(meshed), p, substep);
+        tongue_.keep_apart(solid());
     }
     fitted_.configure(description(fitted_clusters_, substep, fitted_reach), p);
     drawn_.configure(patient, meshed_);
     body_.links.configure(patient.links.ends, patient.links.stiffness, p);
-    if (auto epiglottis = epiglottis_of(patient, held, p); epiglottis && method != TissueMethod::hexahedra) {
-        body_.constraints.emplace_back(std::move(*epiglottis));
-    }
 
     const patient::ClusterSet& clusters = patient.clusters;
     const std::vector<patient::BoneWeights> of_frame = patient::frame_bones(patient);
@@ -187,23 +170,18 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
     reset();
 }
 
-TongueContacts::Surface SoftTissue::surface_of_mesh(const std::vector<bool>& meshed,
-                                                    TissueMethod method) const {
+TongueContacts::Surface SoftTissue::surface_of_mesh(const std::vector<bool>& meshed) const {
     TongueContacts::Surface surface;
     std::vector<bool> on_triangle(meshed.size(), false);
-    if (method == TissueMethod::hexahedra) {
-        std::vector<std::array<std::uint32_t, 4>> tetrahedra;
-        for (const std::uint32_t t : meshed_) {
-            tetrahedra.push_back(patient_.tetrahedra.corners[t]);
+    std::vector<std::array<std::uint32_t, 4>> tetrahedra;
+    for (const std::uint32_t t : meshed_) {
+        tetrahedra.push_back(patient_.tetrahedra.corners[t]);
+    }
+    surface.triangles = pbd::surface_triangles(tetrahedra);
+    for (const auto& triangle : surface.triangles) {
+        for (const std::uint32_t i : triangle) {
+            on_triangle[i] = true;
         }
-        surface.triangles = pbd::surface_triangles(tetrahedra);
-        for (const auto& triangle : surface.triangles) {
-            for (const std::uint32_t i : triangle) {
-                on_triangle[i] = true;
-            }
-        }
-    } else {
-        surface.edges = surface_edges_;
     }
     // Inner particles meet the blade, too, where it has crushed the cells above them.
     for (std::uint32_t i = 0; i < meshed.size(); ++i) {

@@ -56,7 +56,7 @@ class SoftTissue {
         return surface_edges_;
     }
 
-    /// The implicit mesh: tongue or, as hexahedra, tongue and epiglottis. Empty with clusters throughout.
+    /// The implicit mesh of tongue and epiglottis. Empty with clusters throughout.
     [[nodiscard]] Tongue& tongue() { return tongue_; }
     [[nodiscard]] const Tongue& tongue() const { return tongue_; }
     [[nodiscard]] pbd::SoftBody& body() { return body_; }
@@ -76,8 +76,7 @@ class SoftTissue {
     [[nodiscard]] Vec3f grown(std::size_t particle) const;
     void update_moduli();
     /// The mesh's surface that the blade meets. `meshed` [particles]: corner of an element.
-    [[nodiscard]] TongueContacts::Surface surface_of_mesh(const std::vector<bool>& meshed,
-                                                          TissueMethod method) const;
+    [[nodiscard]] TongueContacts::Surface surface_of_mesh(const std::vector<bool>& meshed) const;
     /// What the mesh must not overlap: the tongue, of itself and of the epiglottis.
     [[nodiscard]] SelfContactFinder::Description solid() const;
     /// Of the mesh's elements.
@@ -103,7 +102,7 @@ class SoftTissue {
     std::vector<Vec3f> swelling_;          // [particles][m] per unit of growth; empty until it is set
     std::vector<Vec3f> cluster_swelling_;  // [clusters][m], mean over the members
     std::vector<std::uint32_t> meshed_;    // indices, in the patient, of the tetrahedra in use
-    patient::Cells cells_;                 // the same, with whole cells joined where the method has them
+    patient::Cells cells_;                 // the same, with whole cells joined
     std::vector<float> tetrahedron_moduli_, hexahedron_moduli_;  // [cells_][Pa]
     std::vector<float> moduli_;                                  // scratch
 };

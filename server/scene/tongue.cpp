@@ -47,7 +47,6 @@ void Tongue::configure(const pbd::ImplicitMesh::Description& mesh, TongueContact
     std::ranges::sort(movers);
     const auto fixed = [&](std::uint32_t i) { return !moved_[i]; };
     std::erase_if(surface.particles, fixed);
-    std::erase_if(surface.edges, [&](const auto& ends) { return std::ranges::any_of(ends, fixed); });
     std::erase_if(surface.triangles,
                   [&](const auto& corners) { return std::ranges::all_of(corners, fixed); });
     const std::size_t movers_count = movers.size();

@@ -16,8 +16,6 @@ namespace {
 
 // [m], beyond a capsule's reach: a previous contact farther away has ended.
 constexpr float left_behind = 4e-3f;
-// Fraction of an edge's length; nearer to an end, that end has its own contact.
-constexpr float min_along = 0.1f;
 
 // Fraction of the shell's force kept per step. It makes the shell compliant, like a wall some thirty times as
 // stiff as its contacts. Tissue pressed on a wall by the blade cannot satisfy both; if neither yielded, their
@@ -33,7 +31,7 @@ constexpr float stick_memory = 0.5f;
 // force.
 constexpr std::size_t points_per_triangle = 3;
 constexpr float own_corner = 2.0f / 3.0f;
-// There are six such points per particle, where there were a particle and three edges.
+// There are six such points per particle; the stiffness of contacts is that of four.
 constexpr float triangle_point_share = 2.0f / 3.0f;
 
 std::uint64_t key_of(std::size_t feature, std::uint8_t obstacle) {
@@ -132,20 +130,6 @@ void TongueContacts::collide_blade(const pbd::Particles& particles, const Moving
             if (box.contains(x)) {
                 pbd::MeshContact contact = pbd::MeshContact::at_particle(i);
                 touch(contact, feature, x, offset_from_segment(a, b, x));
-            }
-            ++feature;
-        }
-        for (const auto& [i, k] : surface_.edges) {
-            const Vec3f& x = particles.predicted[i];
-            const Vec3f& y = particles.predicted[k];
-            // Both ends count: a blade drawn back and pushed forward stretches edges to a centimetre.
-            if (box.intersects(Eigen::AlignedBox3f(x.cwiseMin(y), x.cwiseMax(y)))) {
-                const auto [t, on_axis] = closest_on_segments(x, y, a, b);
-                if (t >= min_along && t <= 1.0f - min_along) {
-                    pbd::MeshContact contact = pbd::MeshContact::on_edge(i, k, t);
-                    const Vec3f point = x + t * (y - x);
-                    touch(contact, feature, point, point - a - on_axis * (b - a));
-                }
             }
             ++feature;
         }

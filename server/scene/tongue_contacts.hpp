@@ -15,12 +15,9 @@ namespace eti::scene {
 
 /// Contacts of an implicit mesh's surface with the laryngoscope's capsules, and of its particles with the
 /// offset shell, with their forces of the previous step. The blade collides with balls about particles and
-/// swept along edges, or with balls at the Gauss points of triangles, which push no particle alone. Not
-/// thread safe.
+/// at the Gauss points of triangles, which push no particle alone. Not thread safe.
 class TongueContacts {
   public:
-    using Edge = std::array<std::uint32_t, 2>;  ///< particle indices
-
     /// A blade that moves from one pose to the other within a step.
     struct MovingBlade {
         const Laryngoscope& scope;
@@ -32,12 +29,10 @@ class TongueContacts {
     /// The surface that the blade meets.
     struct Surface {
         std::vector<std::uint32_t> particles;
-        std::vector<Edge> edges;
         std::vector<Triangle> triangles;
     };
 
-    /// `movers`, ascending: particles that the mesh moves; at least one corner of each edge or triangle
-    /// moves.
+    /// `movers`, ascending: particles that the mesh moves; at least one corner of each triangle moves.
     void configure(std::vector<std::uint32_t> movers, Surface surface);
     void reset();
 
@@ -49,8 +44,7 @@ class TongueContacts {
     /// Expected upper bound of simultaneous contacts, for reserving memory so that a step does not allocate;
     /// not a hard limit.
     [[nodiscard]] std::size_t expected_count() const {
-        return movers_.size() + surface_.particles.size() + surface_.edges.size() +
-               3 * surface_.triangles.size();
+        return movers_.size() + surface_.particles.size() + 3 * surface_.triangles.size();
     }
     /// Whether contact `number` is with the blade.
     [[nodiscard]] bool is_with_blade(std::size_t number) const {

@@ -29,45 +29,19 @@ CLUSTERS = "clusters, calibrated on the tongue"
 
 class Accuracy(unittest.TestCase):
     def test_shipped_method_is_pareto_optimal(self):
-        """In the scene itself: force and shape of the patient's tongue under the blade, on the shipped mesh."""
-        for case in plot_accuracy.DECIDING:
+        """Force and shape of the patient's tongue under the blade, on the shipped mesh."""
+        for case in plot_accuracy.TONGUE:
             rows = [row for row in plot_accuracy.read(CHARTS / "accuracy.csv") if row["case"] == case and row["spacing"] == 2.0]
             shipped, = (row for row in rows if plot_accuracy.is_star(row))
             for row in rows:
                 self.assertFalse(row["method"] != shipped["method"] and row["cost"] <= shipped["cost"] and
                                  row["error"] <= shipped["error"], row)
 
-    def test_tongue_under_blade_meets_documented_fem_error(self):
-        """At the best view: force, displacements, and residual motion. The bounds are those of docs/solver/lift.md."""
+    def test_pressed_tongue_meets_documented_fem_error(self):
         rows = plot_accuracy.read(CHARTS / "accuracy.csv")
         error = {row["case"]: row["error"] for row in rows if plot_accuracy.is_star(row) and row["spacing"] == 2.0}
-        for case, bound in (("lift-force", 0.05), ("lift-material", 0.11), ("lift-shape", 0.05), ("tongue-force", 0.006),
-                            ("tongue-shape", 0.006)):
-            self.assertLess(error[case], bound, case)
-        self.assertLess(error["lift-still"], 0.5)       # mm/s
-        # With more substeps clusters do not converge to finite elements.
-        for case in ("lift-force", "lift-shape"):
-            of = {(row["method"], row["substeps"]): row["error"] for row in rows if row["case"] == case}
-            self.assertGreater(of[CLUSTERS, 24], 0.9 * of[CLUSTERS, 8], case)
-            self.assertGreater(of[CLUSTERS, 24], 0.35, case)
-
-    def test_lift_error_against_fem_is_bounded_for_every_tremor(self):
-        """The shipped tongue, each time in its own surroundings: not just one favourable path of the hand. For one of
-        them, the reference's uncertainty, 1.6 % of the force, may be added."""
-        rows = rows_of(CHARTS / "lift-tremors.csv")
-        self.assertEqual([row["tremor"] for row in rows], ["0", "1", "2", "3"])
-        for row in rows:
-            self.assertLess(float(row["force_difference"]), 0.06, row)
-            self.assertLess(float(row["shape_difference"]), 0.05, row)
-        self.assertLess(sum(float(row["force_difference"]) for row in rows) / len(rows), 0.05)
-        self.assertEqual(len({row["force_n"] for row in rows}), 4)
-
-    def test_lift_reference_meets_documented_uncertainty(self):
-        """Its end is an equilibrium for any drag, but friction depends on the path, which drag changes, and carries a
-        tenth of the force at most: a third of that is allowed."""
-        rows = {row["variant"]: row for row in rows_of(CHARTS / "lift-reference.csv")}
-        self.assertEqual(float(rows["as it is"]["force_difference"]), 0.0)
-        self.assertLess(float(rows["four times the drag"]["force_difference"]), 0.033)
+        for case in ("tongue-force", "tongue-shape"):
+            self.assertLess(error[case], 0.006, case)
 
     def test_every_method_has_a_chart_colour(self):
         methods = {row["method"] for row in plot_accuracy.read(CHARTS / "accuracy.csv")}

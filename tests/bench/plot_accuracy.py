@@ -15,10 +15,7 @@ COLOURS = {"shape matching, PBD": "#c44e52", "shape matching, XPBD": "#4c72b0", 
            "mass-spring, explicit": "#937860", "rod": "#8172b2", "fluid": "#4c72b0"}
 # Cases other than blocks of tissue, which are left out of the chart of all blocks.
 APART = ("rod", "fluid")
-TONGUE = ("tongue-force", "tongue-shape", "lift-force", "lift-material", "lift-shape", "lift-view",
-          "lift-still")
-# The decisive ones among them: a view may be right for the wrong reasons.
-DECIDING = ("tongue-force", "tongue-shape", "lift-force", "lift-shape")
+TONGUE = ("tongue-force", "tongue-shape")
 
 
 def read(file):
@@ -34,7 +31,7 @@ def setting(row):
 def is_star(row):
     """Whether a row has the shipped settings of the scenarios."""
     if row.get("case") in TONGUE:
-        return row["method"] == SHIPPED_TONGUE and setting(row) == SHIPPED_SCENE[row["case"].split("-")[0]]
+        return row["method"] == SHIPPED_TONGUE and setting(row) == SHIPPED_SCENE
     return SHIPPED.get(row["method"]) == setting(row)
 
 

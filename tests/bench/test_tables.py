@@ -91,22 +91,6 @@ class Tables(unittest.TestCase):
                     with self.subTest(method=method, case=case):
                         self.agrees(cell, 100 * error)
 
-    def test_errors_of_the_lift(self):
-        cases = ("lift-force", "lift-material", "lift-shape", "lift-view", "lift-still")
-        measured = {(row["case"], row["method"], row["substeps"]): row["error"]
-                    for row in read(CHARTS / "accuracy.csv") if row["case"] in cases}
-        header, *rows = table("solver/lift.md", "Errors")
-        self.assertEqual(len(rows), 10)
-        for name, substeps, *cells in rows:
-            method = name.removesuffix(" (shipped)")
-            for case, cell in zip(cases, cells):
-                with self.subTest(method=method, substeps=substeps, case=case):
-                    error = measured[case, method, int(substeps)]
-                    if case == "lift-view":
-                        self.agrees(cell.lstrip("+-"), 100 * error)
-                    else:
-                        self.agrees(cell, error if case == "lift-still" else 100 * error)
-
     def follows(self, heading, file, columns, find=None, page="network-measured.md"):
         """Compares rows of a table with those of a file: the columns by number, empty where nothing was measured.
         `find`: returns the measured row for a written one, by default the one at the same index. Returns the pairs."""

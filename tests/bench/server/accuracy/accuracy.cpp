@@ -58,9 +58,6 @@ using Group = void (*)(AccuracyTable&, Table&, bool);
 constexpr std::pair<const char*, Group> groups[] = {
     {"tube", [](AccuracyTable& table, Table&, bool quick) { bend_tubes(table, quick); }},
     {"tongue", press_tongue},
-    {"lift", [](AccuracyTable& table, Table&, bool quick) { lift_tongue(table, quick); }},
-    {"lift-reference", [](AccuracyTable& table, Table&, bool quick) { vary_lift_reference(table, quick); }},
-    {"lift-tremors", [](AccuracyTable& table, Table&, bool quick) { lift_with_other_tremors(table, quick); }},
     {"fluid", [](AccuracyTable& table, Table&, bool quick) { pour_water(table, quick); }},
     {"blocks", press_blocks},
 };

@@ -55,18 +55,6 @@ void bend_tubes(AccuracyTable& table, bool quick);
 /// mesh.
 void press_tongue(AccuracyTable& table, Table& forces, bool quick);
 
-/// The scene at the expert's best view of the glottis, against finite elements of the tongue between the same
-/// surroundings. Compares the tongue's force on the blade, as reported to the tool and as the material has it
-/// at the same positions; the tongue's displacements; the view; and the tremor of what should be at rest
-/// [mm/s].
-void lift_tongue(AccuracyTable& table, bool quick);
-
-/// lift-reference.csv: sensitivity of those finite elements to their own settings. Does nothing if `quick`.
-void vary_lift_reference(AccuracyTable& table, bool quick);
-
-/// lift-tremors.csv: the shipped tongue against finite elements in lifts with other tremors.
-void lift_with_other_tremors(AccuracyTable& table, bool quick);
-
 /// Water: a column at rest, and the dam break of Martin & Moyce 1952.
 void pour_water(AccuracyTable& table, bool quick);
 

@@ -74,16 +74,9 @@ void Block::start() {
         }
     }
     const auto moves = [&](std::uint32_t i) { return particles_.inverse_mass[i] > 0.0f; };
-    scene::TongueContacts::Surface surface;
-    if (settings_.element == Element::tetrahedra) {
-        surface.particles = movers;
-        surface.edges = pbd::surface_edges(tetrahedra_);
-        std::erase_if(surface.edges, [&](const auto& e) { return !moves(e[0]) || !moves(e[1]); });
-    } else {
-        surface.triangles = pbd::surface_triangles(tetrahedra_);
-        std::erase_if(surface.triangles, [&](const auto& t) { return std::ranges::none_of(t, moves); });
-    }
-    contacts_.configure(movers, surface);
+    std::vector<scene::TongueContacts::Triangle> triangles = pbd::surface_triangles(tetrahedra_);
+    std::erase_if(triangles, [&](const auto& t) { return std::ranges::none_of(t, moves); });
+    contacts_.configure(movers, {.particles = {}, .triangles = std::move(triangles)});
 }
 
 void Block::place_capsule(const Vec3d& a, const Vec3d& b, double radius) {

@@ -4,19 +4,25 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "common/model/pace.hpp"
-#include "tests/bench/server/accuracy/lift_scene.hpp"
+#include "server/app/run/local_operator.hpp"
+#include "server/app/run/simulation.hpp"
 
 namespace eti::bench {
 
 namespace {
 
 constexpr std::size_t steps_per_pose = 6;  // 30 poses a second
+constexpr double longest_lift = 15.0;      // [s] by which the expert has seen the glottis
+constexpr double view_settled = 1.5;       // [s] without a better view, after which none is expected
+constexpr int held_steps = 270;            // with the blade at rest, until tissue has come to rest
 
 }  // namespace
 
@@ -26,10 +32,37 @@ std::filesystem::path source_file(const std::filesystem::path& path) {
 }
 
 LiftPath record_lift(const Scenario& scenario, const patient::Patient& patient) {
-    LiftPath path;
-    for (const scene::Inputs& inputs : lift_of(scenario, patient)) {
+    const OperatorScript script = load_operator(find_data_file("expert", "operators"));
+    scene::Inputs inputs = app::parked_inputs(scenario, patient);
+    app::Simulation simulation(scenario, patient, inputs);
+    app::LocalOperator hands(script, simulation.scope(), scenario.tube, scenario.seed ^ script.seed,
+                             simulation.observation());
+    const RigidTransform tube = inputs.tube_grip;
+    hands.apply_to(inputs);
+    inputs.tube_grip = tube;
+    simulation.scene().reset(inputs);
+    LiftPath path = {inputs.laryngoscope};
+    std::size_t best = 0;
+    float seen = 0.0f;
+    double seen_at = longest_lift;
+    while (simulation.time() < std::min(longest_lift, seen_at + view_settled)) {
+        hands.advance(simulation.observation(), simulation.snapshot());
+        hands.apply_to(inputs);
+        inputs.tube_grip = tube;
+        simulation.step(inputs, std::nullopt);
         path.push_back(inputs.laryngoscope);
+        const float opening = simulation.metrics().live().measures.glottic_opening_percent;
+        if (opening > seen) {
+            seen = opening;
+            seen_at = simulation.time();
+            best = path.size();
+        }
     }
+    if (best == 0) {
+        throw std::runtime_error("the expert never saw the glottis: there is no lift to record");
+    }
+    path.resize(best);
+    path.insert(path.end(), held_steps, path.back());
     return path;
 }
 

@@ -176,7 +176,7 @@ Scenario scenario_of(const MatterOptions& options, const std::string& name) {
     if (options.spacing > 0.0) {
         scenario.physics.spacing = static_cast<float>(1e-3 * options.spacing);
     }
-    scenario.physics.bones_yield = scenario.physics.bones_yield || options.yield;
+    scenario.physics.bones_yield = scenario.physics.bones_yield && !options.fixed_bones;
     return scenario;
 }
 

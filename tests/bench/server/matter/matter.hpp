@@ -16,7 +16,7 @@ struct MatterOptions {
     std::filesystem::path trace;       ///< writes values over time here
     int substeps = 0;                  ///< 0: as the scenario says
     double spacing = 0.0;              ///< [mm], 0: as the scenario says
-    bool yield = false;                ///< head, mandible and hyoid yield
+    bool fixed_bones = false;          ///< head, mandible and hyoid do not yield
     bool no_blocks = false;            ///< no blocks
     bool quick = false;                ///< the first scenario and few blocks
     bool json = false;

@@ -87,11 +87,12 @@ class SceneContact {
                 movers.push_back(i);
             }
         }
-        std::vector<scene::TongueContacts::Edge> edges = pbd::surface_edges(body.lattice().tetrahedra);
-        std::erase_if(edges, [&](const auto& ends) {
-            return p.inverse_mass[ends[0]] == 0.0f || p.inverse_mass[ends[1]] == 0.0f;
+        std::vector<scene::TongueContacts::Triangle> triangles =
+            pbd::surface_triangles(body.lattice().tetrahedra);
+        std::erase_if(triangles, [&](const auto& corners) {
+            return std::ranges::none_of(corners, [&](std::uint32_t i) { return p.inverse_mass[i] > 0.0f; });
         });
-        contacts_.configure(movers, {.particles = movers, .edges = std::move(edges), .triangles = {}});
+        contacts_.configure(movers, {.particles = {}, .triangles = std::move(triangles)});
         nothing_.size = {2, 2, 2};
         nothing_.value.assign(8, 1.0f);
     }

@@ -198,10 +198,10 @@ TEST(Scenario, UnreadableOneIsShownWithDefaults) {
     }
 }
 
-TEST(Scenario, XpbdTongueIsReadAsImplicit) {
+TEST(Scenario, TissueMethodsOfEarlierVersionsAreReadAsImplicit) {
     EXPECT_EQ(read("physics: {tissue_method: tetrahedra}").physics.tissue_method, TissueMethod::implicit);
     EXPECT_EQ(read("physics: {tissue_method: clusters}").physics.tissue_method, TissueMethod::clusters);
-    EXPECT_EQ(read("physics: {tissue_method: hexahedra}").physics.tissue_method, TissueMethod::hexahedra);
+    EXPECT_EQ(read("physics: {tissue_method: hexahedra}").physics.tissue_method, TissueMethod::implicit);
     EXPECT_TRUE(refused("physics: {tissue_method: cubes}", {"tissue_method", "clusters, implicit"}));
 }
 

@@ -298,7 +298,7 @@ TEST_F(SceneTest, SettledStepDoesNotAllocate) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
     const std::array<Settings, 3> all = {{{.rigid = {}},
                                           {.rigid = {}, .self_contact = true},
-                                          {.tissue_method = TissueMethod::hexahedra, .rigid = {}}}};
+                                          {.tissue_method = TissueMethod::clusters, .rigid = {}}}};
     for (std::size_t n = 0; n < all.size(); ++n) {
         Scene scene = make(all[n]);
         press(scene);

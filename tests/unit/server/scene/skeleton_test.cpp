@@ -190,7 +190,7 @@ TEST(WallMotion, WallsAreWhereTheirBonesAre) {
     EXPECT_GT(std::sqrt(unmoved / count), 1e-3);
 }
 
-class SceneSkeletonTest : public ::testing::TestWithParam<TissueMethod> {
+class SceneSkeletonTest : public ::testing::Test {
   protected:
     SceneSkeletonTest() {
         away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
@@ -200,7 +200,7 @@ class SceneSkeletonTest : public ::testing::TestWithParam<TissueMethod> {
     }
     [[nodiscard]] Scene make(bool yields = true) const {
         return {test::coarse_newborn(), scope_, Tube{}, away_,
-                Settings{.tissue_method = GetParam(), .rigid = {}, .bones_yield = yields}};
+                Settings{.rigid = {}, .bones_yield = yields}};
     }
     /// The blade in the mouth, its tip over the tongue's highest point and `depth` [m] lower.
     [[nodiscard]] Inputs pressing(float depth) const {
@@ -221,7 +221,7 @@ class SceneSkeletonTest : public ::testing::TestWithParam<TissueMethod> {
     Inputs away_;
 };
 
-TEST_P(SceneSkeletonTest, UntouchedBonesRestAndSleep) {
+TEST_F(SceneSkeletonTest, UntouchedBonesRestAndSleep) {
     Scene scene = make();
     for (int k = 0; k < 60; ++k) {
         scene.step(away_);
@@ -230,7 +230,7 @@ TEST_P(SceneSkeletonTest, UntouchedBonesRestAndSleep) {
     EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
 }
 
-TEST_P(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
+TEST_F(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
     Scene scene = make();
     press(scene, 14e-3f);
     const Coordinates pressed = scene.skeleton()->offset();
@@ -243,7 +243,7 @@ TEST_P(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 0.02f);
 }
 
-TEST_P(SceneSkeletonTest, YieldingBonesTakeForceOffTheBlade) {
+TEST_F(SceneSkeletonTest, YieldingBonesTakeForceOffTheBlade) {
     const auto force = [&](bool yields) {
         Scene scene = make(yields);
         press(scene, 14e-3f);
@@ -255,7 +255,7 @@ TEST_P(SceneSkeletonTest, YieldingBonesTakeForceOffTheBlade) {
     EXPECT_LT(yielding, 0.9f * held);
 }
 
-TEST_P(SceneSkeletonTest, ThreadsDoNotChangeBits) {
+TEST_F(SceneSkeletonTest, ThreadsDoNotChangeBits) {
     const auto hash = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {
             Scene scene = make();
@@ -266,7 +266,7 @@ TEST_P(SceneSkeletonTest, ThreadsDoNotChangeBits) {
     EXPECT_EQ(hash(1), hash(4));
 }
 
-TEST_P(SceneSkeletonTest, StepsDoNotAllocate) {
+TEST_F(SceneSkeletonTest, StepsDoNotAllocate) {
     Scene scene = make();
     press(scene, 8e-3f);
     const Inputs held = pressing(8e-3f);
@@ -277,8 +277,8 @@ TEST_P(SceneSkeletonTest, StepsDoNotAllocate) {
 }
 
 // As a jaw that hands hold open, let go, shut and thrown open again within a step each.
-TEST_P(SceneSkeletonTest, JawThrownAboutComesToRest) {
-    Settings settings{.tissue_method = GetParam(), .rate_scale = 1000.0f, .rigid = {}, .bones_yield = true};
+TEST_F(SceneSkeletonTest, JawThrownAboutComesToRest) {
+    Settings settings{.rate_scale = 1000.0f, .rigid = {}};
     Scene scene(test::coarse_newborn(), scope_, Tube{}, away_, settings);
     for (const float opening : {0.0f, 35.0f, 0.0f, 15.0f}) {
         Inputs inputs = away_;
@@ -295,14 +295,14 @@ TEST_P(SceneSkeletonTest, JawThrownAboutComesToRest) {
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 2e-3f);
 }
 
-TEST_P(SceneSkeletonTest, BonesYieldWithoutSleep) {
-    Settings settings{.tissue_method = GetParam(), .rigid = {}, .bones_yield = true, .sleep = false};
+TEST_F(SceneSkeletonTest, BonesYieldWithoutSleep) {
+    Settings settings{.rigid = {}, .sleep = false};
     Scene scene(test::coarse_newborn(), scope_, Tube{}, away_, settings);
     press(scene, 14e-3f);
     EXPECT_GT(scene.skeleton()->offset()[YieldingSkeleton::jaw_opening], 8e-3f);
 }
 
-TEST_P(SceneSkeletonTest, ResetForgetsLoads) {
+TEST_F(SceneSkeletonTest, ResetForgetsLoads) {
     Scene scene = make();
     press(scene, 14e-3f);
     scene.reset(away_);
@@ -311,7 +311,7 @@ TEST_P(SceneSkeletonTest, ResetForgetsLoads) {
 }
 
 // The hand's greatest force is 60 N; the blade that tissue meets must not stay behind before.
-TEST_P(SceneSkeletonTest, BladeOnTheGumIsWhereItsProxyIs) {
+TEST_F(SceneSkeletonTest, BladeOnTheGumIsWhereItsProxyIs) {
     Scene scene = make();
     Inputs inputs = pressing(4e-3f);
     scene.place_laryngoscope(inputs.laryngoscope);
@@ -327,10 +327,6 @@ TEST_P(SceneSkeletonTest, BladeOnTheGumIsWhereItsProxyIs) {
     }
     EXPECT_GT(largest, 5.0f);
 }
-
-INSTANTIATE_TEST_SUITE_P(Methods, SceneSkeletonTest,
-                         ::testing::Values(TissueMethod::implicit, TissueMethod::hexahedra),
-                         [](const auto& method) { return std::string(name_of(method.param)); });
 
 }  // namespace
 }  // namespace eti::scene

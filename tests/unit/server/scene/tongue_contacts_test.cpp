@@ -12,17 +12,17 @@ namespace {
 constexpr float radius = 3e-3f;  // [m], of the blade's one capsule
 constexpr float ball = 0.5e-3f;  // [m], of a particle
 
-/// An edge along x, and a blade along z whose axis passes `height` [m] above it.
-class EdgeUnderBlade : public ::testing::Test {
+/// A triangle of particles, and a blade along z whose axis passes `height` [m] above it.
+class TriangleUnderBlade : public ::testing::Test {
   protected:
-    std::vector<pbd::MeshContact> met(float half_length, float height) {
-        pbd::Particles particles;
-        particles.resize(2);
-        for (std::size_t i = 0; i < 2; ++i) {
-            const Vec3f at(i == 0 ? -half_length : half_length, 0.0f, 0.0f);
-            particles.position[i] = particles.predicted[i] = at;
-            particles.radius[i] = ball;
-        }
+    TriangleUnderBlade() {
+        particles_.resize(3);
+        particles_.predicted = {Vec3f(-1e-3f, 0.0f, -1e-3f), Vec3f(1e-3f, 0.0f, -1e-3f),
+                                Vec3f(0.0f, 0.0f, 1e-3f)};
+        particles_.position = particles_.predicted;
+        particles_.radius.assign(3, ball);
+    }
+    [[nodiscard]] std::vector<pbd::MeshContact> met(float height) const {
         Laryngoscope scope;
         scope.capsules.fill({Vec3f::Ones(), Vec3f::Ones(), 0.0f});  // a metre away
         scope.capsules.back() = {{0.0f, height, -20e-3f}, {0.0f, height, 20e-3f}, radius};
@@ -30,45 +30,17 @@ class EdgeUnderBlade : public ::testing::Test {
         nothing.size = {2, 2, 2};
         nothing.value.assign(8, 1.0f);
         TongueContacts contacts;
-        contacts.configure({0, 1}, {.particles = {0, 1}, .edges = {{0, 1}}, .triangles = {}});
+        contacts.configure({0, 1, 2}, {.particles = {}, .triangles = {{0, 1, 2}}});
         std::vector<pbd::MeshContact> found;
-        contacts.find(particles, {scope, {}, {}}, {nothing, 1}, found);
+        contacts.find(particles_, {scope, {}, {}}, {nothing, 1}, found);
         return found;
     }
+    pbd::Particles particles_;
 };
 
-TEST_F(EdgeUnderBlade, ContactIsFoundForAnyEdgeLength) {
-    for (const float half_length : {5e-3f, 8e-3f, 12e-3f, 30e-3f}) {
-        const std::vector<pbd::MeshContact> found = met(half_length, 2e-3f);
-        ASSERT_EQ(found.size(), 1u) << half_length;
-        EXPECT_EQ(found[0].corners, 2);
-        EXPECT_NEAR(found[0].share[1], 0.5f, 1e-5f);
-        EXPECT_NEAR(found[0].gap, 2e-3f - radius - ball, 1e-7f);
-        EXPECT_NEAR(found[0].normal.y(), -1.0f, 1e-5f);
-    }
-}
-
-TEST_F(EdgeUnderBlade, EdgeBesideBladeIsIgnored) {
-    EXPECT_TRUE(met(12e-3f, radius + ball + 1e-5f).empty());
-}
-
-// A triangle touches at its three Gauss points, so that each contact is borne by all three corners.
-TEST(TriangleUnderBlade, ContactPushesNoParticleAlone) {
-    pbd::Particles particles;
-    particles.resize(3);
-    particles.predicted = {Vec3f(-1e-3f, 0.0f, -1e-3f), Vec3f(1e-3f, 0.0f, -1e-3f), Vec3f(0.0f, 0.0f, 1e-3f)};
-    particles.position = particles.predicted;
-    particles.radius.assign(3, ball);
-    Laryngoscope scope;
-    scope.capsules.fill({Vec3f::Ones(), Vec3f::Ones(), 0.0f});  // a metre away
-    scope.capsules.back() = {{0.0f, 2e-3f, -20e-3f}, {0.0f, 2e-3f, 20e-3f}, radius};
-    DistanceGrid nothing;
-    nothing.size = {2, 2, 2};
-    nothing.value.assign(8, 1.0f);
-    TongueContacts contacts;
-    contacts.configure({0, 1, 2}, {.particles = {}, .edges = {}, .triangles = {{0, 1, 2}}});
-    std::vector<pbd::MeshContact> found;
-    contacts.find(particles, {scope, {}, {}}, {nothing, 1}, found);
+// Its three Gauss points are in contact, each borne by all three corners.
+TEST_F(TriangleUnderBlade, ContactPushesNoParticleAlone) {
+    const std::vector<pbd::MeshContact> found = met(2e-3f);
     ASSERT_EQ(found.size(), 3u);
     float area = 0.0f;
     for (const pbd::MeshContact& contact : found) {
@@ -76,7 +48,7 @@ TEST(TriangleUnderBlade, ContactPushesNoParticleAlone) {
         Vec3f point = Vec3f::Zero();
         for (std::size_t k = 0; k < 3; ++k) {
             EXPECT_GT(contact.share[k], 0.1f);
-            point += contact.share[k] * particles.predicted[contact.particle[k]];
+            point += contact.share[k] * particles_.predicted[contact.particle[k]];
         }
         const float distance = std::hypot(point.x(), 2e-3f);
         EXPECT_NEAR(contact.gap, distance - radius - ball, 1e-7f);
@@ -84,6 +56,10 @@ TEST(TriangleUnderBlade, ContactPushesNoParticleAlone) {
         area += contact.area_share;
     }
     EXPECT_NEAR(area, 2.0f, 1e-5f);
+}
+
+TEST_F(TriangleUnderBlade, TriangleOutOfReachIsIgnored) {
+    EXPECT_TRUE(met(radius + ball + 1e-5f).empty());
 }
 
 }  // namespace
