@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <limits>
+
 #include "server/pbd/lanes.hpp"
 #include "server/pbd/soft/hexahedra.hpp"
 #include "server/pbd/soft/tetrahedron_kernels.hpp"
@@ -72,9 +74,8 @@ struct HexahedronModes {
     }
 }
 
-[[gnu::always_inline]] inline void gather_modes(const float* from, const Hexahedra::Block& block,
-                                                HexahedronModes& out) {
-    Lanes x[3][8];
+[[gnu::always_inline]] inline void gather_corners(const float* from, const Hexahedra::Block& block,
+                                                  Lanes (&x)[3][8]) {
     for (int v = 0; v < 8; ++v) {
         Lanes xyz[3];
         Lanes unused;
@@ -83,6 +84,11 @@ struct HexahedronModes {
             x[i][v] = xyz[i];
         }
     }
+}
+
+/// Changes the corner values `x`.
+[[gnu::always_inline]] inline void modes_of(const Hexahedra::Block& block, Lanes (&x)[3][8],
+                                            HexahedronModes& out) {
     for (int i = 0; i < 3; ++i) {
         corners_to_modes(x[i]);
         for (int u = 0; u < 3; ++u) {
@@ -100,6 +106,33 @@ struct HexahedronModes {
                 out.hourglass[a][i] -= warp * out.edge[u][i];
             }
         }
+    }
+}
+
+[[gnu::always_inline]] inline void gather_modes(const float* from, const Hexahedra::Block& block,
+                                                HexahedronModes& out) {
+    Lanes x[3][8];
+    gather_corners(from, block, x);
+    modes_of(block, x, out);
+}
+
+/// The smallest volume of the parallelepipeds that a corner's three edges span.
+[[gnu::always_inline]] inline void smallest_corner_of(const Lanes (&x)[3][8], Lanes& out) {
+    out = Lanes{} + std::numeric_limits<float>::max();
+    for (int v = 0; v < 8; ++v) {
+        Lanes edge[3][3];
+        for (int b = 0; b < 3; ++b) {
+            const int to = v ^ (1 << b);
+            const float sign = to > v ? 1.0f : -1.0f;
+            for (int i = 0; i < 3; ++i) {
+                edge[b][i] = sign * (x[i][to] - x[i][v]);
+            }
+        }
+        Lanes normal[3];
+        cross_to(edge[1], edge[2], normal);
+        Lanes volume{};
+        add_dot(edge[0], normal, volume);
+        out = volume < out ? volume : out;
     }
 }
 
@@ -221,7 +254,11 @@ struct HexahedronModes {
         const Hexahedra::Block& block = blocks[n];
         ImplicitMesh::HexahedronElement& out = elements[n];
         HexahedronModes x;
-        gather_modes(wide, block, x);
+        Lanes at[3][8];
+        gather_corners(wide, block, at);
+        Lanes smallest_corner;
+        smallest_corner_of(at, smallest_corner);
+        modes_of(block, at, x);
         Lanes m[6];
         for (int k = 0; k < 6; ++k) {
             load(block.metric[k], m[k]);
@@ -230,6 +267,7 @@ struct HexahedronModes {
         Lanes shear;
         load(block.inverse_determinant, scale);
         load(block.stiffness, shear);
+        store(smallest_corner * scale, out.smallest_corner);
         Lanes cofactor[3][3];
         Lanes slope[6][3];
         Lanes strain;

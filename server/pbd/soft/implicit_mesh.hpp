@@ -42,6 +42,9 @@ class ImplicitMesh {
         /// One volumetric term lets a corner in that is pushed alone. The largest value that changes the
         /// force of a blade 5 mm in a block by less than 1 % (docs/solver/hexahedra.md).
         float hourglass_hardening = 20.0f;
+        /// Volume ratio below which a corner of a hexahedron resists on its own, with the material's bulk
+        /// modulus.
+        float crushed_corner = 0.4f;
     };
     Settings settings;
 
@@ -100,13 +103,14 @@ class ImplicitMesh {
 
     /// Linearisation of eight hexahedra.
     struct alignas(32) HexahedronElement {
-        float metric[6][Hexahedra::lanes];    ///< mu V Q Q^T [N/m]
-        float edge[3][3][Hexahedra::lanes];   ///< [m], mean edges
-        float slope[6][3][Hexahedra::lanes];  ///< [m^2], gradient of the volume over det Q
-        float hourglass[Hexahedra::lanes];    ///< stiffness of hourglass modes over that of shear
-        float bulk[Hexahedra::lanes];         ///< lambda V det^2 Q [N/m^5]
-        float gradient[Hexahedra::lanes];     ///< 4/3 kappa mu V det^2 Q [N/m^5]
-        float pressure[Hexahedra::lanes];     ///< mu V s det Q, s clamped [N/m^2]
+        float metric[6][Hexahedra::lanes];        ///< mu V Q Q^T [N/m]
+        float edge[3][3][Hexahedra::lanes];       ///< [m], mean edges
+        float slope[6][3][Hexahedra::lanes];      ///< [m^2], gradient of the volume over det Q
+        float hourglass[Hexahedra::lanes];        ///< stiffness of hourglass modes over that of shear
+        float bulk[Hexahedra::lanes];             ///< lambda V det^2 Q [N/m^5]
+        float gradient[Hexahedra::lanes];         ///< 4/3 kappa mu V det^2 Q [N/m^5]
+        float pressure[Hexahedra::lanes];         ///< mu V s det Q, s clamped [N/m^2]
+        float smallest_corner[Hexahedra::lanes];  ///< volume ratio of the corner that has lost most
     };
     /// Linearisation of eight tetrahedra.
     struct alignas(32) Element {
@@ -119,6 +123,14 @@ class ImplicitMesh {
   private:
     using Wide = CoarseLevel::Wide;  // [corners], then padding of blocks
 
+    /// A corner of a hexahedron whose three edges span less than a share t of the volume at rest: J < t. The
+    /// energy lambda V/16 (t - J)^2 keeps cells from turning inside out, which one volumetric term does not.
+    struct CrushedCorner {
+        std::array<std::uint32_t, 4> corner{};  // its own index, and those at the other ends of its edges
+        Eigen::Vector4f slope[4];               // [1/m], gradient of J
+        float stiffness = 0.0f;                 // lambda V/8 [N m]
+    };
+
     /// A spatially compact part of the elements that one task processes, and its contributions to its
     /// corners. The partition depends on the mesh only.
     struct Part {
@@ -129,6 +141,7 @@ class ImplicitMesh {
         // block: xx yy zz, yz zx xy; and the image of a direction.
         Wide gradient, square, mixed, image;
         float curvature = 0.0f;  // along along_ [J]
+        std::vector<CrushedCorner> crushed;
     };
     struct Inverse {
         Eigen::Vector4f column[3];
@@ -145,6 +158,12 @@ class ImplicitMesh {
     void measure_own_stiffness();
     /// Linearises the parts' elements at x_.
     void linearise_elements();
+    /// Finds the crushed corners of these blocks of hexahedra and adds their forces.
+    void add_crushed_corners(Part& part, std::uint32_t first, std::uint32_t end) const;
+    /// Adds the first of these corners if it is crushed.
+    void add_if_crushed(Part& part, const std::array<std::uint32_t, 4>& corner, float inverse_determinant,
+                        float stiffness) const;
+    static void apply(const CrushedCorner& crushed, const Wide& along, Wide& image);
     void add_springs(const Particles& particles);
     void add_contacts();
     void add_contact(MeshContact& contact);

@@ -270,6 +270,70 @@ TEST(HexahedralMesh, CrumpledBlockRecovers) {
     }
 }
 
+/// The volume ratio that three edges from a corner of a cube span.
+double corner_volume(const Cell& cell, unsigned v) {
+    Eigen::Matrix3d edges;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned bit = 1u << axis;
+        edges.col(axis) = ((v & bit) != 0 ? -1.0 : 1.0) * (cell[v ^ bit] - cell[v]) / cell_edge;
+    }
+    return edges.determinant();
+}
+
+// A cube held at seven corners, and a spring that draws the eighth to the middle and beyond. At rest the
+// spring bears the derivative of the energies of cell and corners.
+TEST(HexahedralMesh, CrushedCornerBearsDerivativeOfEnergy) {
+    constexpr double nu = 0.49;
+    constexpr double mu = cell_modulus / (2.0 * (1.0 + nu));
+    for (const float threshold : {0.4f, -100.0f}) {
+        HexahedralBlock block(1, 1, 1, nu, false);
+        block.mesh.settings.crushed_corner = threshold;
+        std::vector<float> inverse_mass(8, 0.0f);
+        inverse_mass[7] = block.particles.inverse_mass[7];
+        ImplicitMesh::Description cube;
+        cube.hexahedra = {{{0, 1, 2, 3, 4, 5, 6, 7}}, {static_cast<float>(cell_modulus)}, 0.49f};
+        block.particles.inverse_mass = inverse_mass;
+        block.mesh.configure(cube, block.particles, inverse_mass);
+        const Vec3f to = 0.1f * block.particles.rest[7];
+        constexpr float spring = 40.0f;
+        block.mesh.springs = {{7, to, spring}};
+        for (int k = 0; k < 2000; ++k) {
+            block.step();
+        }
+        Cell rest;
+        Cell cell;
+        for (std::size_t v = 0; v < 8; ++v) {
+            rest[v] = block.particles.rest[v].cast<double>();
+            cell[v] = block.particles.position[v].cast<double>();
+        }
+        const auto total = [&](const Cell& of) {
+            const double ratio = 1.0 - 2.0 * nu;
+            double sum = energy(rest, of, ratio, double{block.mesh.settings.hourglass_hardening}) * mu /
+                         (cell_modulus * ratio);
+            for (unsigned v = 0; v < 8; ++v) {
+                const double lost = std::max(0.0, double{threshold} - corner_volume(of, v));
+                sum += mu / ratio * std::pow(cell_edge, 3) / 16.0 * lost * lost;
+            }
+            return sum;
+        };
+        const Vec3d pull = spring * (to - block.particles.position[7]).cast<double>();
+        for (int axis = 0; axis < 3; ++axis) {
+            constexpr double step = 1e-7;
+            Cell up = cell;
+            Cell down = cell;
+            up[7][axis] += step;
+            down[7][axis] -= step;
+            EXPECT_NEAR((total(up) - total(down)) / (2.0 * step), pull[axis], 1e-3 * pull.norm());
+        }
+        const double left = corner_volume(cell, 7);
+        if (threshold > 0.0f) {
+            EXPECT_GT(left, 0.0) << "the corner resists";
+        } else {
+            EXPECT_LT(left, 0.0) << "the cell's volume alone lets the corner in";
+        }
+    }
+}
+
 TEST(HexahedralMesh, InstructionSetDoesNotChangeBits) {
     std::vector<Vec3f> found[2];
     for (const bool avx2 : {false, true}) {
