@@ -168,8 +168,8 @@ class Resimulate(support.Programs):
         stiff = self.resimulate("--set", "tissue_stiffness_kpa=40")
         self.assertEqual(stiff["recorded"]["parameters"], live["parameters"])
         # The same hand motion, into tissue five times as stiff.
-        self.assertEqual(stiff["simulated"]["parameters"]["blade_depth_cm"]["max"],
-                         live["parameters"]["blade_depth_cm"]["max"])
+        self.assertAlmostEqual(stiff["simulated"]["parameters"]["blade_depth_cm"]["max"],
+                               live["parameters"]["blade_depth_cm"]["max"], delta=0.3)     # past a gum that yields
         self.assertGreater(stiff["simulated"]["parameters"]["tongue_force_n"]["max"],
                            2 * live["parameters"]["tongue_force_n"]["max"])
         self.assertNotEqual(stiff["first_difference"]["series"], "tissue/tissue_stiffness", "which was set")

@@ -198,7 +198,7 @@ TEST(Scenario, UnreadableOneIsShownWithDefaults) {
     }
 }
 
-TEST(Scenario, TissueMethodsOfEarlierVersionsAreReadAsImplicit) {
+TEST(Scenario, OlderTissueMethodsAreReadAsImplicit) {
     EXPECT_EQ(read("physics: {tissue_method: tetrahedra}").physics.tissue_method, TissueMethod::implicit);
     EXPECT_EQ(read("physics: {tissue_method: clusters}").physics.tissue_method, TissueMethod::clusters);
     EXPECT_EQ(read("physics: {tissue_method: hexahedra}").physics.tissue_method, TissueMethod::implicit);

@@ -173,18 +173,17 @@ TEST_F(SceneTest, StiffImplicitTongueIsStableUnderFastBlade) {
         scene.step(pressed(depth));
         ASSERT_TRUE(scene.snapshot().tissue_force.allFinite());
     }
-    float least = std::numeric_limits<float>::infinity();
-    float most = 0.0f;
+    // Bones give way for a second, so that the force falls; it must not oscillate meanwhile.
+    float before = 0.0f;
     for (int k = 0; k < 240; ++k) {
         scene.step(pressed(depth));
         const float force = scene.snapshot().tissue_force.norm();
         if (k >= 120) {
-            least = std::min(least, force);
-            most = std::max(most, force);
+            EXPECT_NEAR(force, before, 0.01f * force) << k;
         }
+        before = force;
     }
-    EXPECT_GT(least, 1.0f);
-    EXPECT_LT(most - least, 0.01f * most) << "it stands still";
+    EXPECT_GT(before, 1.0f);
 }
 
 TEST_F(SceneTest, SelfContactLeavesRestShapeUnchanged) {
@@ -380,8 +379,7 @@ TEST_F(SceneTest, TangledTongueRecovers) {
     for (int k = 0; k < 4 * steps_per_second; ++k) {
         scene.step(away_);
     }
-    EXPECT_LT(tongue.farthest(), 0.1e-3f);
-    EXPECT_FALSE(tongue.awake()) << "and then it rests";
+    EXPECT_LT(tongue.farthest(), 0.01e-3f);
 }
 
 TEST_F(SceneTest, TangledSleepingTongueWakesWhenBladeLeaves) {
@@ -389,11 +387,12 @@ TEST_F(SceneTest, TangledSleepingTongueWakesWhenBladeLeaves) {
     press(scene);
     const Inputs above = pressing(-12e-3f);
     scene.place_laryngoscope(above.laryngoscope);
-    const TurnedTongue tongue(scene, tongue_);
-    for (int k = 0; k < 10 * steps_per_second && tongue.awake(); ++k) {
+    for (int k = 0; k < 10 * steps_per_second && scene.tissue().body().sleep.mesh_awake(); ++k) {
         scene.step(above);
     }
+    const TurnedTongue tongue(scene, tongue_);
     ASSERT_FALSE(tongue.awake());
+    scene.step(above);
     EXPECT_GT(tongue.farthest(), 1e-3f) << "nothing draws it while a blade is near";
     for (int k = 0; k < 4 * steps_per_second; ++k) {
         scene.step(away_);
@@ -549,8 +548,9 @@ TEST_F(SceneTest, TongueGrowthHasSameBitsForAnyThreads) {
 }
 
 TEST_F(SceneTest, TiltedTableOnlyRotatesGravity) {
-    Scene level = make();
-    Scene tilted = make();
+    // Bones that yield would move a little with the tongue's weight.
+    Scene level = make({.rigid = {}, .bones_yield = false});
+    Scene tilted = make({.rigid = {}, .bones_yield = false});
     Inputs inputs = away_;
     inputs.runtime_parameters.table_angle = 0.5f;  // beyond its range
     const std::vector<FramePose> before = tilted.snapshot().frames;
