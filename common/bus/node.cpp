@@ -221,7 +221,7 @@ Rediscoveries Participant::rediscoveries() const {
 
 void Participant::on_liveliness_changed(const rtps::GUID_t& writer, bool alive) {
     admission_->on_liveliness_changed(writer_id(writer), alive);
-    log_admission_changes();
+    admission_->log_changes();
 }
 
 std::vector<rtps::Locator_t> Participant::own_locators() const {
@@ -231,15 +231,7 @@ std::vector<rtps::Locator_t> Participant::own_locators() const {
 
 void Participant::release_ownership(std::string_view topic) {
     admission_->release_ownership(topic);
-    log_admission_changes();
-}
-
-void Participant::log_admission_changes() {
-    for (const std::string& line : admission_->take_log_lines()) {
-        if (const auto suppressed = lines_.allow(line)) {
-            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
-        }
-    }
+    admission_->log_changes();
 }
 
 void Participant::on_participant(const DiscoveredParticipant& found) {
@@ -253,7 +245,7 @@ void Participant::on_participant(const DiscoveredParticipant& found) {
             gone_writers_.forget([&](const WriterId& writer) { return writer.participant == id; });
         }
         admission_->on_removed(id);
-        log_admission_changes();
+        admission_->log_changes();
         return;
     }
     const std::optional<Peer> peer = introduced(found.user_data, found.name, id);
@@ -278,7 +270,7 @@ void Participant::on_participant(const DiscoveredParticipant& found) {
         }
     }
     admission_->on_discovered(id, peer ? fmt::format("'{}' {}", peer->name, peer->process) : "", as_server);
-    log_admission_changes();
+    admission_->log_changes();
 }
 
 bool Participant::in_session(const std::vector<std::string>& partitions) const {
@@ -310,7 +302,7 @@ void Participant::on_writer(const DiscoveredWriter& found) {
     } else if (in_session(found.partitions)) {
         admission_->on_discovered(writer, found.topic);
     }
-    log_admission_changes();
+    admission_->log_changes();
 }
 
 Node::Node(const Options& options) {

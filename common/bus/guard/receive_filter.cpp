@@ -91,15 +91,6 @@ std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement
     return out;
 }
 
-void log_admission_changes(Admission& admission) {
-    static LogThrottle limit;
-    for (const std::string& line : admission.take_log_lines()) {
-        if (const auto suppressed = limit.allow(line)) {
-            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
-        }
-    }
-}
-
 class ReceiveFilter final : public ForwardingTransport {
   public:
     ReceiveFilter(const std::shared_ptr<transport::TransportDescriptorInterface>& below, Questions ask)
@@ -168,9 +159,7 @@ class ReceiveFilter final : public ForwardingTransport {
         } else if (!ignored) {
             log_dropped(size, fault);
         }
-        if (ask_.admission->has_log_lines()) {
-            log_admission_changes(*ask_.admission);
-        }
+        ask_.admission->log_changes();
     }
 
   private:

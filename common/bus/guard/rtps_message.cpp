@@ -64,7 +64,7 @@ bool read_parameter_list(Reader& in, const Check& is_valid) {
 constexpr std::uint16_t participant_guid = 0x50, key_hash = 0x70, status_info = 0x71;
 
 /// Whether a parameter names another participant than `participant`.
-bool names_another(std::uint16_t id, Bytes content, const std::array<std::uint8_t, 12>& participant) {
+bool names_another(std::uint16_t id, Bytes content, const ParticipantId& participant) {
     return (id == participant_guid || id == key_hash) &&
            (content.size() < participant.size() ||
             !std::ranges::equal(content.first(participant.size()), participant));
@@ -331,8 +331,8 @@ bool is_valid_heartbeat_fragment(Reader& in, WriterSubmessage& written) {
 
 /// Whether a submessage's content is valid for its kind. `written`: receives the submessages that a writer of
 /// `participant` sends.
-bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content,
-              const std::array<std::uint8_t, 12>& participant, std::optional<WriterSubmessage>& written) {
+bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content, const ParticipantId& participant,
+              std::optional<WriterSubmessage>& written) {
     Reader in(content, (flags & little_endian) != 0);
     WriterSubmessage from;
     from.writer.participant = participant;
@@ -374,7 +374,7 @@ bool is_well_formed(Bytes datagram, const std::function<bool(const WriterSubmess
     if (datagram.size() < header_size || !std::ranges::equal(datagram.first(4), magic) || datagram[4] != 2) {
         return false;
     }
-    std::array<std::uint8_t, 12> participant{};
+    ParticipantId participant{};
     std::ranges::copy(datagram.subspan(8, 12), participant.begin());
     std::size_t at = header_size;
     while (at < datagram.size()) {

@@ -8,13 +8,14 @@
 #include <optional>
 #include <vector>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/guard/reader.hpp"
 
 namespace eti::bus {
 
 /// Writer of a submessage: the participant's GUID prefix and the writer's entity id, as on the wire.
 struct WriterId {
-    std::array<std::uint8_t, 12> participant;
+    ParticipantId participant;
     std::array<std::uint8_t, 4> entity;
 
     auto operator<=>(const WriterId&) const = default;
