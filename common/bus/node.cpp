@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #include <unistd.h>
 
+#include <fmt/ranges.h>
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
@@ -67,6 +69,22 @@ Reach reach_of(const Options& options) {
     return this_machine_only(options) ? Reach::this_machine : by_server ? Reach::relayed : Reach::network;
 }
 
+/// Once, as a program may have several nodes. A profile may bind to whatever interfaces it likes.
+void say_exposure(const Options& options) {
+    static std::atomic<bool> said{false};
+    if (this_machine_only(options) || !options.profile.empty() || !options.interface.empty() ||
+        !options.identity.empty() || said.exchange(true)) {
+        return;
+    }
+    const std::vector<std::string> addresses = network_addresses();
+    bus_log().warn(
+        "{}: anyone on the networks of this machine ({}) can read this session and send to it, forces and "
+        "commands included. Remedy: a network of the lab's own (make_network.py) and its --interface, or "
+        "--identity (docs/security.md)",
+        reach(options),
+        addresses.empty() ? std::string("none yet") : fmt::format("{}", fmt::join(addresses, ", ")));
+}
+
 ParticipantId id_of(const rtps::GuidPrefix_t& prefix) {
     ParticipantId id{};
     std::ranges::copy(prefix.value, id.begin());
@@ -119,7 +137,8 @@ Participant::Participant(const Options& wanted)
     apply_identity(options, qos, warnings_);
     install_receive_filter(qos.transport().user_transports,
                            options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
-                           admission_, options.profile, reach_of(options));
+                           admission_, options.profile, reach_of(options), only_addresses(options));
+    say_exposure(options);
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
@@ -155,7 +174,7 @@ Participant::Participant(const Options& wanted)
                         "the lines above",
                         options.session, options.domain));
     }
-    if (!this_machine_only(options)) {
+    if (!this_machine_only(options) && options.interface.empty()) {
         watch_interfaces();
     }
 }
