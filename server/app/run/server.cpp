@@ -37,6 +37,7 @@
 #include "server/app/run/force_limit_monitor.hpp"
 #include "server/app/run/local_operator.hpp"
 #include "server/app/run/simulation.hpp"
+#include "server/app/run/solver_threads.hpp"
 #include "server/app/run/step_priority.hpp"
 
 namespace eti::app {
@@ -76,9 +77,12 @@ void warn_about_view_stages(const OperatorScript& script) {
 
 class Session {
   public:
-    /// `has_next_session`: another session follows this one.
-    Session(const Options& options, const Scenario& scenario, bool has_next_session)
-        : options_(options), scenario_(scenario), live_(options.with_bus && !options.fast) {
+    /// `has_next_session`: another session follows this one. `threads` outlives it.
+    Session(const Options& options, const Scenario& scenario, bool has_next_session, SolverThreads& threads)
+        : options_(options),
+          scenario_(scenario),
+          threads_(threads),
+          live_(options.with_bus && !options.fast) {
         if (!options.operator_name.empty()) {
             script_ = load_operator(find_data_file(options.operator_name, "operators"));
             script_->skill = options.skill.value_or(script_->skill);
@@ -394,6 +398,7 @@ class Session {
     }
 
     void report_progress(const StepClock& clock) {
+        threads_.update();
         if (const std::string found = force_limit_monitor_.check(
                 simulation_->snapshot(), operator_ ? std::string_view(operator_->blade_stage()) : "");
             !found.empty()) {
@@ -484,6 +489,7 @@ class Session {
 
     Options options_;
     Scenario scenario_;
+    SolverThreads& threads_;
     scene::Inputs inputs_;
     bool live_;  // real-time session with the bus
     patient::Patient patient_;
@@ -529,14 +535,16 @@ std::filesystem::path numbered_record(const std::filesystem::path& record, std::
 }  // namespace
 
 int run_server(const Options& options) {
-    const std::size_t threads =
-        options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors();
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    if (!options.replay.file.empty()) {
+        // It simulates nothing, and takes no share.
+        const tbb::global_control control(
+            tbb::global_control::max_allowed_parallelism,
+            options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors());
+        return replay(options);
+    }
+    SolverThreads threads(static_cast<unsigned>(options.threads));
     if (!options.resimulate.empty()) {
         return resimulate(options);
-    }
-    if (!options.replay.file.empty()) {
-        return replay(options);
     }
     std::vector<Scenario> scenarios;
     for (const std::string& name : options.scenarios) {
@@ -546,7 +554,7 @@ int run_server(const Options& options) {
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         Options session_options = options;
         session_options.record = numbered_record(options.record, i + 1);
-        Session session(session_options, scenarios[i], i + 1 < scenarios.size());
+        Session session(session_options, scenarios[i], i + 1 < scenarios.size(), threads);
         status = std::max(status, session.run());
         if (session.all_ended()) {
             break;
