@@ -36,6 +36,7 @@
 #include "server/app/run/command_handler.hpp"
 #include "server/app/run/force_limit_monitor.hpp"
 #include "server/app/run/local_operator.hpp"
+#include "server/app/run/saliva_monitor.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/app/run/solver_threads.hpp"
 #include "server/app/run/step_priority.hpp"
@@ -410,12 +411,8 @@ class Session {
             spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind,
                          100.0 * clock.load());
         }
-        if (simulation_->snapshot().saliva.overflow > 0 && !warned_of_overflow_) {
-            warned_of_overflow_ = true;
-            spdlog::warn(
-                "mouth and throat contain the maximum amount of saliva ({} particles): secretion stops until "
-                "suction removes some",
-                simulation_->snapshot().saliva.positions.size());
+        if (const std::string found = saliva_monitor_.check(simulation_->snapshot().saliva); !found.empty()) {
+            spdlog::warn("{}", found);
         }
         // The demo reads its progress from this line.
         if (!options_.fast && simulation_->snapshot().step % steps_per_second == 0) {
@@ -519,7 +516,7 @@ class Session {
     std::uint64_t passes_ = 0;  // completed passes of the operator's script
     bool reset_ = false;        // requested internally, not by a command
     double warned_behind_ = 0.0;
-    bool warned_of_overflow_ = false;
+    SalivaMonitor saliva_monitor_;
 };
 
 /// File of the session with this number: x.eti.h5, x-2.eti.h5, ...
