@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "coarse_phantom.hpp"
-#include "common/math/random.hpp"
 
 namespace eti::segmentation {
 namespace {
@@ -80,24 +79,6 @@ TEST(Surfaces, TriangleBudgetIsRespected) {
         EXPECT_LE(surface.mesh.triangles.size(), surface.name == "skin" ? 2000u : 500u);
         EXPECT_TRUE(surface.report.is_valid());
     }
-}
-
-TEST(Surfaces, FineFoldsKeepMoreTriangles) {
-    // Bone that noise has folded at the scale of its voxels.
-    Balls balls;
-    Random random(3);
-    for (std::size_t i = 0; i < balls.ct.value.size(); ++i) {
-        if (balls.labels.value[i] != value_of(Label::outside)) {
-            balls.ct.value[i] = 226.0f + 150.0f * random.normal();
-            balls.labels.value[i] = value_of(balls.ct.value[i] > 226.0f ? Label::bone : Label::soft);
-        }
-    }
-    SurfaceSettings settings;
-    settings.bone_triangles = 4000;
-    const auto surfaces = make_surfaces(balls.labels, &balls.ct, settings, silent);
-    ASSERT_EQ(surfaces.size(), 2u);
-    EXPECT_TRUE(surfaces[1].report.is_valid()) << surfaces[1].report.describe();
-    EXPECT_GT(surfaces[1].mesh.triangles.size(), settings.bone_triangles);
 }
 
 TEST(Surfaces, PhantomIsClosedManifoldAndOriented) {
