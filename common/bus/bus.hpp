@@ -26,7 +26,8 @@ struct Options {
     std::vector<std::string> peers{};  ///< other hosts, by name or address; empty: multicast discovery
     bool network = false;              ///< discover participants on other hosts; else on this host alone
     std::vector<std::string>
-        discovery_servers{};  ///< HOST or HOST:PORT; the second is the first one's backup
+        discovery_servers{};   ///< HOST or HOST:PORT; the second is the first one's backup
+    std::string interface {};  ///< the only network interface to use, by name or address; empty: all
     bool shared_multicast =
         false;  ///< sends one copy to all readers of a topic by multicast, where that is available
     std::filesystem::path identity{};  ///< folder of certificate and permissions; empty: no security

@@ -17,9 +17,16 @@ void add_options(CommandLine& app, Options& options) {
         .capture_default_str()
         .group(group);
     add_domain(app, options).group(group);
-    app.add_flag("--network", options.network,
-                 "Discover programs on other machines by multicast; without it and --peer, "
-                 "--discovery-server or --profile, only programs on this machine")
+    app.add_flag(
+           "--network", options.network,
+           "Discover programs on other machines by multicast. Anyone on their networks can then read the "
+           "session and send to it, unless --interface or --identity keeps him out. Without it and "
+           "--peer, --discovery-server or --profile, only programs on this machine")
+        .group(group);
+    app.add_option(
+           "--interface", options.interface,
+           "Reach other machines through this network interface only, by name or IPv4 address: that of "
+           "a lab's own WireGuard network (see deploy/security/make_network.py)")
         .group(group);
     app.add_option(
            "--peer", options.peers,

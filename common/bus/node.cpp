@@ -2,7 +2,9 @@
 // Copyright the NeoETI authors
 #include <unistd.h>
 
+#include <fmt/ranges.h>
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
@@ -67,6 +69,22 @@ Reach reach_of(const Options& options) {
     return this_machine_only(options) ? Reach::this_machine : by_server ? Reach::relayed : Reach::network;
 }
 
+/// Once, as a program may have several nodes. A profile may bind to whatever interfaces it likes.
+void say_exposure(const Options& options) {
+    static std::atomic<bool> said{false};
+    if (this_machine_only(options) || !options.profile.empty() || !options.interface.empty() ||
+        !options.identity.empty() || said.exchange(true)) {
+        return;
+    }
+    const std::vector<std::string> addresses = network_addresses();
+    bus_log().warn(
+        "{}: anyone on the networks of this machine ({}) can read this session and send to it, forces and "
+        "commands included. Remedy: a network of the lab's own (make_network.py) and its --interface, or "
+        "--identity (docs/security.md)",
+        reach(options),
+        addresses.empty() ? std::string("none yet") : fmt::format("{}", fmt::join(addresses, ", ")));
+}
+
 ParticipantId id_of(const rtps::GuidPrefix_t& prefix) {
     ParticipantId id{};
     std::ranges::copy(prefix.value, id.begin());
@@ -119,7 +137,8 @@ Participant::Participant(const Options& wanted)
     apply_identity(options, qos, warnings_);
     install_receive_filter(qos.transport().user_transports,
                            options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
-                           admission_, options.profile, reach_of(options));
+                           admission_, options.profile, reach_of(options), only_addresses(options));
+    say_exposure(options);
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
@@ -155,7 +174,7 @@ Participant::Participant(const Options& wanted)
                         "the lines above",
                         options.session, options.domain));
     }
-    if (!this_machine_only(options)) {
+    if (!this_machine_only(options) && options.interface.empty()) {
         watch_interfaces();
     }
 }
@@ -221,7 +240,7 @@ Rediscoveries Participant::rediscoveries() const {
 
 void Participant::on_liveliness_changed(const rtps::GUID_t& writer, bool alive) {
     admission_->on_liveliness_changed(writer_id(writer), alive);
-    log_admission_changes();
+    admission_->log_changes();
 }
 
 std::vector<rtps::Locator_t> Participant::own_locators() const {
@@ -231,15 +250,7 @@ std::vector<rtps::Locator_t> Participant::own_locators() const {
 
 void Participant::release_ownership(std::string_view topic) {
     admission_->release_ownership(topic);
-    log_admission_changes();
-}
-
-void Participant::log_admission_changes() {
-    for (const std::string& line : admission_->take_log_lines()) {
-        if (const auto suppressed = lines_.allow(line)) {
-            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
-        }
-    }
+    admission_->log_changes();
 }
 
 void Participant::on_participant(const DiscoveredParticipant& found) {
@@ -253,7 +264,7 @@ void Participant::on_participant(const DiscoveredParticipant& found) {
             gone_writers_.forget([&](const WriterId& writer) { return writer.participant == id; });
         }
         admission_->on_removed(id);
-        log_admission_changes();
+        admission_->log_changes();
         return;
     }
     const std::optional<Peer> peer = introduced(found.user_data, found.name, id);
@@ -278,7 +289,7 @@ void Participant::on_participant(const DiscoveredParticipant& found) {
         }
     }
     admission_->on_discovered(id, peer ? fmt::format("'{}' {}", peer->name, peer->process) : "", as_server);
-    log_admission_changes();
+    admission_->log_changes();
 }
 
 bool Participant::in_session(const std::vector<std::string>& partitions) const {
@@ -310,7 +321,7 @@ void Participant::on_writer(const DiscoveredWriter& found) {
     } else if (in_session(found.partitions)) {
         admission_->on_discovered(writer, found.topic);
     }
-    log_admission_changes();
+    admission_->log_changes();
 }
 
 Node::Node(const Options& options) {

@@ -24,7 +24,6 @@
 #include "common/bus/library_log.hpp"
 #include "common/bus/peers.hpp"
 #include "common/bus/rediscovery_counter.hpp"
-#include "common/process/log_throttle.hpp"
 
 namespace eti::bus {
 
@@ -61,12 +60,10 @@ class Participant final : public DiscoveryListener {
     void on_participant(const DiscoveredParticipant& found) override;
     void on_writer(const DiscoveredWriter& found) override;
     [[nodiscard]] bool in_session(const std::vector<std::string>& partitions) const;
-    void log_admission_changes();
     void watch_interfaces();
     void close();
 
     std::shared_ptr<Admission> admission_;
-    LogThrottle lines_;
     std::mutex topics_mutex_;
     std::map<std::string, dds::Topic*, std::less<>> topics_;
     mutable std::mutex peers_mutex_;

@@ -7,6 +7,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <fmt/ranges.h>
+
 #include <charconv>
 #include <memory>
 #include <sstream>
@@ -119,17 +121,15 @@ dds::DomainParticipantQos profile_qos(const std::filesystem::path& file) {
     return qos;
 }
 
-/// UDP on every interface if `reaches_network`, else on loopback. No shared memory: a process that is killed
-/// or starved while it holds one of the library's locks there ends or stalls the others
+/// UDP on loopback and `only`, or on every interface if nothing is given. No shared memory: a process that is
+/// killed or starved while it holds one of the library's locks there ends or stalls the others
 /// (docs/decisions/bus-transport.md).
-void use_own_transports(bool reaches_network, dds::DomainParticipantQos& qos) {
+void use_own_transports(const std::vector<std::string>& only, dds::DomainParticipantQos& qos) {
     auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
     udp->sendBufferSize = socket_buffer;
     udp->receiveBufferSize = socket_buffer;
     udp->maxInitialPeersRange = participants_per_machine;
-    if (!reaches_network) {
-        udp->interfaceWhiteList.emplace_back(loopback);
-    }
+    udp->interfaceWhiteList = only;
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports = {udp};
     qos.transport().send_socket_buffer_size = socket_buffer;
@@ -161,6 +161,41 @@ bool this_machine_only(const Options& options) {
            options.discovery_servers.empty();
 }
 
+std::vector<std::string> only_addresses(const Options& options) {
+    const std::string& wanted = options.interface;
+    if (wanted.empty()) {
+        return {};
+    }
+    if (!options.profile.empty()) {
+        throw BusError(fmt::format(
+            "--interface {} together with --profile {}: the profile's interfaceWhiteList already defines the "
+            "interfaces; give one of the two",
+            wanted, options.profile.string()));
+    }
+    if (this_machine_only(options)) {
+        throw BusError(fmt::format(
+            "--interface {}: this program reaches its own machine only; give --network, --peer or "
+            "--discovery-server, too, or omit --interface",
+            wanted));
+    }
+    std::vector<std::string> found, all = network_addresses();
+    for (const std::string& one : all) {
+        const std::size_t space = one.rfind(' ');
+        if (wanted == one.substr(0, space) || wanted == one.substr(space + 1)) {
+            found.push_back(one.substr(space + 1));
+        }
+    }
+    if (found.empty()) {
+        throw BusError(fmt::format(
+            "--interface {}: no such interface is up with an IPv4 address; there {}; bring it up (wg-quick "
+            "up "
+            "{}), or give another",
+            wanted, all.empty() ? std::string("is none") : fmt::format("are {}", fmt::join(all, ", ")),
+            wanted));
+    }
+    return found;
+}
+
 dds::DomainParticipantQos participant_qos(const Options& options, std::vector<std::string>& warnings) {
     const bool by_peers = !options.peers.empty(), by_server = !options.discovery_servers.empty();
     if (!options.profile.empty() && (by_peers || by_server || options.network)) {
@@ -182,14 +217,18 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
         if (qos.transport().use_builtin_transports) {
             // The library's own transports would have no filter in front.
             const auto given = qos.transport().user_transports;
-            use_own_transports(true, qos);
+            use_own_transports({}, qos);
             qos.transport().user_transports.insert(qos.transport().user_transports.end(), given.begin(),
                                                    given.end());
         }
         return qos;
     }
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(!this_machine_only(options), qos);
+    std::vector<std::string> only = only_addresses(options);
+    if (!only.empty() || this_machine_only(options)) {
+        only.emplace_back(loopback);
+    }
+    use_own_transports(only, qos);
     if (by_peers) {
         add_peers(options.peers, qos);
     } else if (by_server) {
@@ -209,7 +248,7 @@ dds::DomainParticipantQos participant_qos(const Options& options, std::vector<st
 dds::DomainParticipantQos discovery_server_qos(int number, const std::string& address, std::uint16_t port,
                                                std::vector<std::string>& warnings) {
     dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
-    use_own_transports(true, qos);
+    use_own_transports({}, qos);
     make_discovery_server(qos);
     std::istringstream(server_prefix(static_cast<std::size_t>(number))) >> qos.wire_protocol().prefix;
     rtps::Locator_t locator = locator_of(address.empty() ? "0.0.0.0" : address, "--address");
@@ -246,6 +285,9 @@ std::string reach(const Options& options) {
     }
     for (const std::string& server : options.discovery_servers) {
         add("--discovery-server " + server);
+    }
+    if (!options.interface.empty()) {
+        add("--interface " + options.interface);
     }
     return text.empty() ? "this machine only" : text;
 }

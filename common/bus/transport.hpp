@@ -29,6 +29,10 @@ inline constexpr std::uint32_t max_secured_datagram_bytes = 8192;  // [bytes]
 /// Whether these options find programs on this machine only; a profile defines it otherwise.
 [[nodiscard]] bool this_machine_only(const Options& options);
 
+/// IPv4 addresses of the interface that these options name, the only one to use; empty: all are. Throws
+/// BusError if there is no such interface, or none is wanted because only this machine is reached.
+[[nodiscard]] std::vector<std::string> only_addresses(const Options& options);
+
 /// QoS of a discovery server; arguments as for DiscoveryServer.
 [[nodiscard]] dds::DomainParticipantQos discovery_server_qos(int number, const std::string& address,
                                                              std::uint16_t port,

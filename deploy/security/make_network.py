@@ -118,6 +118,7 @@ class Network:
         lines = ["[Interface]", f"PrivateKey = {private}", f"Address = {own['address']}/{self.subnet.prefixlen}", f"MTU = {MTU}"]
         if own["endpoint"]:
             lines.append(f"ListenPort = {own['endpoint'].rpartition(':')[2]}")
+        lines += refuse_forgeries(own["address"])
         if name == names[0] and any(one["endpoint"] is None for one in self.members.values()):
             lines.append("PostUp = sysctl -q -w net.ipv4.conf.%i.forwarding=1")
         for other in names:
@@ -144,6 +145,16 @@ class Network:
         write_secret(self.list, json.dumps({"subnet": str(self.subnet), "members": self.members}, indent=1) + "\n")
         for name in self.members:
             write_secret(self.folder / name / f"{INTERFACE}.conf", self.configuration(name))
+
+
+def refuse_forgeries(address):
+    """Hooks that drop what comes for the machine's address in the network by another interface. The kernel would deliver
+    it: an address belongs to the machine, and a forged source makes the program's own check of it pass."""
+    family = "inet %i"
+    rule = f"ip daddr {address} iifname != '{{ \"lo\", \"%i\" }}' drop"
+    return [f"PostUp = nft add table {family}; "
+            f"nft add chain {family} input '{{ type filter hook input priority -300; }}'; nft add rule {family} input {rule}",
+            f"PostDown = nft delete table {family}"]
 
 
 def write_secret(file, text):
@@ -181,7 +192,8 @@ def main(arguments=None):
         print(f"{network.folder / name / INTERFACE}.conf: {one['address']}{', reached at ' + one['endpoint'] if one['endpoint'] else ''}")
     server = next(iter(network.members.values()))["address"]
     print(f"Copy each file to /etc/wireguard/{INTERFACE}.conf of its machine, over a channel you trust, and run 'wg-quick up "
-          f"{INTERFACE}'. Programs then take --peer with the addresses above: --peer {server} reaches the server.")
+          f"{INTERFACE}'. Programs then take --interface {INTERFACE} and --peer with the addresses above: --interface "
+          f"{INTERFACE} --peer {server} reaches the server.")
     return 0
 
 

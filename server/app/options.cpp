@@ -63,7 +63,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_number(
         "--threads", options.threads,
         "Solver threads; 0: as many as the processors that affinity and a container's quota leave to this "
-        "process; the result is independent of it",
+        "process, divided by the number of simulations on them; the result is independent of it",
         {0, 256});
     const Option resimulate =
         app.add_option("--resimulate", options.resimulate,

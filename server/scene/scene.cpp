@@ -419,6 +419,7 @@ void Scene::fill_saliva() {
     s.overflow = fluid.overflow();
     s.left = fluid.left_domain();
     s.aspirated = fluid.aspirated();
+    s.dropped_neighbours = fluid.dropped_neighbours();
 }
 
 void Scene::keep_out_of_shell(pbd::Particles& particles) {

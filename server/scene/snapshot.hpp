@@ -33,6 +33,8 @@ struct SalivaState {
     std::uint64_t overflow = 0;    ///< particles not created for lack of room, since the last reset
     std::uint64_t left = 0;        ///< particles that left the head, since the last reset
     std::uint64_t aspirated = 0;   ///< particles removed by suction, since the last reset
+    /// Neighbours ignored because a particle had more than it may, since the last reset: see pbd::Fluid.
+    std::uint64_t dropped_neighbours = 0;
 };
 
 /// State of the rigid layer in a step, before the particles have moved. Patient frame.

@@ -132,6 +132,16 @@ class Anatomy(support.Case):
         named.write_bytes(named.read_bytes().replace(b"Name:=Skull", b"Name:=Liver"))
         self.assert_refused(self.anatomy("surfaces", named, "--out", self.folder / "none"), named, "'Liver'", "Remedy")
 
+    def test_noise_has_an_exit_status_of_its_own(self):
+        ct = self.folder / "noisy.nrrd"
+        self.assertEqual(self.anatomy("phantom", "--spacing-mm", 1.5, "--noise-hu", 60, "--out", ct).returncode, 0)
+        done = self.anatomy("segment", ct, "--out", self.folder / "labels.nrrd", "--json")
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("low confidence: tongue: the noise is 6", done.stderr)
+        self.assertIn("Remedy", done.stderr)
+        self.assertTrue((self.folder / "labels.nrrd").exists())
+        self.assertIn("5 labels of low confidence", " ".join(self.anatomy("segment", "--help").stdout.split()))
+
     def test_surfaces_in_metres_are_recognised(self):
         corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
         faces = "1 2 4 3,5 7 8 6,1 5 6 2,3 4 8 7,1 3 7 5,2 6 8 4".split(",")

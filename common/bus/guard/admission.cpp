@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/bus/library_log.hpp"
+
 namespace eti::bus {
 
 namespace {
@@ -146,6 +148,17 @@ std::vector<std::string> Admission::take_log_lines() {
     const std::lock_guard lock(mutex_);
     has_log_lines_.store(false, std::memory_order_relaxed);
     return std::exchange(log_lines_, {});
+}
+
+void Admission::log_changes() {
+    if (!has_log_lines_.load(std::memory_order_relaxed)) {
+        return;
+    }
+    for (const std::string& line : take_log_lines()) {
+        if (const auto suppressed = throttle_.allow(line)) {
+            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
+        }
+    }
 }
 
 void Admission::log(std::string line) {

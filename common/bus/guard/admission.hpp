@@ -16,6 +16,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/guard/rtps_message.hpp"
+#include "common/process/log_throttle.hpp"
 
 namespace eti::bus {
 
@@ -58,8 +59,8 @@ class Admission {
     [[nodiscard]] bool contested() const { return contested_.load(std::memory_order_relaxed); }
     /// Changes since the last call, as log lines.
     [[nodiscard]] std::vector<std::string> take_log_lines();
-    /// Whether there are such lines; takes no lock.
-    [[nodiscard]] bool has_log_lines() const { return has_log_lines_.load(std::memory_order_relaxed); }
+    /// Logs those lines as warnings, each at most once a second. Takes no lock if there are none.
+    void log_changes();
 
   private:
     struct Candidate {
@@ -100,6 +101,7 @@ class Admission {
     std::set<ParticipantId> blocked_;   // over the limit of writers
     std::set<ParticipantId> reported_;  // rejected ones already logged
     std::vector<std::string> log_lines_;
+    LogThrottle throttle_;
     bool crowded_ = false;  // too many participants: reported
     std::uint64_t order_ = 0;
     std::atomic<bool> any_refused_{false}, contested_{false}, has_log_lines_{false};

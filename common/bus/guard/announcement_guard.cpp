@@ -8,8 +8,8 @@
 
 namespace eti::bus {
 
-bool AnnouncementGuard::plausible(const std::array<std::uint8_t, 12>& participant,
-                                  const Announcement& announcement, Clock::time_point now) {
+bool AnnouncementGuard::plausible(const ParticipantId& participant, const Announcement& announcement,
+                                  Clock::time_point now) {
     if (announcement.goodbye || announcement.of_another) {
         return false;
     }

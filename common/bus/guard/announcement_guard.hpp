@@ -2,7 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -23,8 +22,8 @@ class AnnouncementGuard {
     using Clock = std::chrono::steady_clock;
 
     /// Whether the library may have this announcement of a participant, whose datagram it is in.
-    [[nodiscard]] bool plausible(const std::array<std::uint8_t, 12>& participant,
-                                 const Announcement& announcement, Clock::time_point now = Clock::now());
+    [[nodiscard]] bool plausible(const ParticipantId& participant, const Announcement& announcement,
+                                 Clock::time_point now = Clock::now());
 
     /// After which a participant that does not repeat its announcement may change it: more than the lease of
     /// a session's programs, and than the period at which others repeat theirs.
@@ -39,7 +38,7 @@ class AnnouncementGuard {
     };
 
     std::mutex mutex_;
-    std::map<std::array<std::uint8_t, 12>, Participant> participants_;
+    std::map<ParticipantId, Participant> participants_;
 };
 
 }  // namespace eti::bus

@@ -13,6 +13,7 @@
 #include "common/bus/fastdds/forwarding_transport.hpp"
 #include "common/bus/guard/announcement_guard.hpp"
 #include "common/bus/guard/fragment_guard.hpp"
+#include "common/bus/guard/interface_guard.hpp"
 #include "common/bus/guard/rtps_message.hpp"
 #include "common/bus/guard/sequence_number_guard.hpp"
 #include "common/bus/library_log.hpp"
@@ -56,6 +57,7 @@ struct Questions {
     std::shared_ptr<SequenceNumberGuard> reached = std::make_shared<SequenceNumberGuard>();
     std::shared_ptr<FragmentGuard> fragments = std::make_shared<FragmentGuard>();
     std::shared_ptr<AnnouncementGuard> announcements = std::make_shared<AnnouncementGuard>();
+    std::shared_ptr<InterfaceGuard> interface = nullptr;  // none: all interfaces
     bool this_machine_only = false, relayed = false;
     Watchdog* watch = &eti::bus::watch();
 };
@@ -65,22 +67,37 @@ bool is_of_this_machine(const rtps::Locator_t& sender) {
            (sender.kind == LOCATOR_KIND_UDPv4 && rtps::IPLocator::getIPv4(sender)[0] == 127);
 }
 
+bool comes_through(InterfaceGuard& interface, const rtps::Locator_t& sender) {
+    InterfaceGuard::Address address{};
+    if (sender.kind == LOCATOR_KIND_UDPv4) {
+        std::copy_n(rtps::IPLocator::getIPv4(sender), address.size(), address.begin());
+    }
+    return sender.kind == LOCATOR_KIND_SHM ||
+           (sender.kind == LOCATOR_KIND_UDPv4 && interface.leads_to(address));
+}
+
 /// Both are usual where other DDS programs run, and repeat every few seconds.
-void say_once(std::atomic<bool>& said, const char* what) {
+void say_once(std::atomic<bool>& said, const char* what, const char* why) {
     if (!said.exchange(true, std::memory_order_relaxed)) {
-        bus_log().info("{}: ignored, as this program reaches this machine only (--network reaches others)",
-                       what);
+        bus_log().info("{}: ignored, as this program reaches {}", what, why);
     }
 }
 
+constexpr const char* machine = "this machine only (--network reaches others)";
+
 void say_other_machine() {
     static std::atomic<bool> said{false};
-    say_once(said, "DDS programs of other machines send to this domain");
+    say_once(said, "DDS programs of other machines send to this domain", machine);
+}
+
+void say_other_interface() {
+    static std::atomic<bool> said{false};
+    say_once(said, "DDS programs of other networks send to this domain", "those of --interface only");
 }
 
 void say_other_addresses() {
     static std::atomic<bool> said{false};
-    say_once(said, "a DDS program on this domain announces addresses beyond this machine");
+    say_once(said, "a DDS program on this domain announces addresses beyond this machine", machine);
 }
 
 std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement>& replacements) {
@@ -89,15 +106,6 @@ std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement
         std::ranges::copy(one.by, out.begin() + (one.place.data() - datagram.data()));
     }
     return out;
-}
-
-void log_admission_changes(Admission& admission) {
-    static LogThrottle limit;
-    for (const std::string& line : admission.take_log_lines()) {
-        if (const auto suppressed = limit.allow(line)) {
-            bus_log().warn("{}{}", line, suppressed_suffix(*suppressed));
-        }
-    }
 }
 
 class ReceiveFilter final : public ForwardingTransport {
@@ -113,6 +121,10 @@ class ReceiveFilter final : public ForwardingTransport {
             say_other_machine();
             return;
         }
+        if (ask_.interface && !comes_through(*ask_.interface, remote)) {
+            say_other_interface();
+            return;
+        }
         std::string_view fault = "is not well-formed RTPS";
         bool ignored = false;
         std::vector<Replacement> replacements;
@@ -121,7 +133,7 @@ class ReceiveFilter final : public ForwardingTransport {
             if (ignored) {
                 return true;
             }
-            if (ask_.this_machine_only && written.announces_other_hosts) {
+            if (ask_.this_machine_only && !written.distant_locators.empty()) {
                 say_other_addresses();
                 ignored = true;  // not a fault of the datagram
                 return true;
@@ -155,6 +167,11 @@ class ReceiveFilter final : public ForwardingTransport {
                 return true;
             }
             replacements.insert(replacements.end(), written.replacements.begin(), written.replacements.end());
+            for (const DistantLocator& one : written.distant_locators) {
+                if (ask_.interface && (!one.address || !ask_.interface->leads_to(*one.address))) {
+                    replacements.push_back({one.parameter, {0, 0}});  // PID_PAD
+                }
+            }
             return false;
         };
         if (is_well_formed({buffer, size}, refused)) {
@@ -168,9 +185,7 @@ class ReceiveFilter final : public ForwardingTransport {
         } else if (!ignored) {
             log_dropped(size, fault);
         }
-        if (ask_.admission->has_log_lines()) {
-            log_admission_changes(*ask_.admission);
-        }
+        ask_.admission->log_changes();
     }
 
   private:
@@ -234,8 +249,12 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
                             std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
-                            const std::string& profile, Reach reach) {
+                            const std::string& profile, Reach reach,
+                            const std::vector<std::string>& only_addresses) {
     Questions ask{admission};
+    if (!only_addresses.empty()) {
+        ask.interface = std::make_shared<InterfaceGuard>(only_addresses);
+    }
     ask.this_machine_only = reach == Reach::this_machine;
     ask.relayed = reach == Reach::relayed;
     for (auto& one : transports) {

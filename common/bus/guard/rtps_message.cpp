@@ -64,25 +64,35 @@ bool read_parameter_list(Reader& in, const Check& is_valid) {
 constexpr std::uint16_t participant_guid = 0x50, key_hash = 0x70, status_info = 0x71;
 
 /// Whether a parameter names another participant than `participant`.
-bool names_another(std::uint16_t id, Bytes content, const std::array<std::uint8_t, 12>& participant) {
+bool names_another(std::uint16_t id, Bytes content, const ParticipantId& participant) {
     return (id == participant_guid || id == key_hash) &&
            (content.size() < participant.size() ||
             !std::ranges::equal(content.first(participant.size()), participant));
 }
 
-/// A locator (9.4.2.10) that leads beyond this machine: neither loopback nor shared memory, nor, where a
-/// group is allowed, a multicast address. Malformed ones do, too.
-bool leads_elsewhere(Bytes content, bool little, bool group_allowed) {
+constexpr std::size_t length_and_identifier = 4;
+
+/// The place of a parameter's identifier.
+Bytes identifier_of(Bytes content) {
+    return {content.data() - length_and_identifier, 2};
+}
+
+/// Notes a locator (9.4.2.10) that leads beyond this machine: neither loopback nor shared memory, nor, where
+/// a group is allowed, a multicast address. Malformed ones do, too.
+void note_distant(Bytes content, bool little, bool group_allowed, std::vector<DistantLocator>& distant) {
     constexpr std::uint32_t udp_v4 = 1, shared_memory = 16;
     Reader in(content, little);
     const std::uint32_t kind = in.u32();
     in.skip(4 + 12);  // port; an IPv4 address is in the last four octets
     const auto address = in.octets<4>();
-    if (!in.whole() || kind == shared_memory) {
-        return !in.whole();
+    if (!in.whole() || (kind != udp_v4 && kind != shared_memory)) {
+        distant.push_back({identifier_of(content), {}});
+        return;
     }
     const bool loopback = address[0] == 127, group = (address[0] & 0xf0u) == 0xe0u;
-    return kind != udp_v4 || !(loopback || (group_allowed && group));
+    if (kind == udp_v4 && !loopback && !(group_allowed && group)) {
+        distant.push_back({identifier_of(content), address});
+    }
 }
 
 /// Elements of a size, preceded by their number.
@@ -123,14 +133,12 @@ bool is_valid_announcement(Reader& in, bool little, WriterSubmessage& written) {
             written.announcement->of_another = true;
         }
         if (id == type_identifier || id == type_object || id == type_information) {
-            constexpr std::size_t length_and_identifier = 4;
-            written.replacements.push_back({{content.data() - length_and_identifier, 2}, {0, 0}});  // PID_PAD
+            written.replacements.push_back({identifier_of(content), {0, 0}});  // PID_PAD
         }
         const bool to_one = id == unicast || id == default_unicast || id == metatraffic_unicast;
         const bool to_group = id == multicast || id == metatraffic_multicast || id == default_multicast;
         if (to_one || to_group) {
-            written.announces_other_hosts =
-                written.announces_other_hosts || leads_elsewhere(content, little, to_group);
+            note_distant(content, little, to_group, written.distant_locators);
         }
         switch (id) {
             case identity_token:
@@ -331,8 +339,8 @@ bool is_valid_heartbeat_fragment(Reader& in, WriterSubmessage& written) {
 
 /// Whether a submessage's content is valid for its kind. `written`: receives the submessages that a writer of
 /// `participant` sends.
-bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content,
-              const std::array<std::uint8_t, 12>& participant, std::optional<WriterSubmessage>& written) {
+bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content, const ParticipantId& participant,
+              std::optional<WriterSubmessage>& written) {
     Reader in(content, (flags & little_endian) != 0);
     WriterSubmessage from;
     from.writer.participant = participant;
@@ -374,7 +382,7 @@ bool is_well_formed(Bytes datagram, const std::function<bool(const WriterSubmess
     if (datagram.size() < header_size || !std::ranges::equal(datagram.first(4), magic) || datagram[4] != 2) {
         return false;
     }
-    std::array<std::uint8_t, 12> participant{};
+    ParticipantId participant{};
     std::ranges::copy(datagram.subspan(8, 12), participant.begin());
     std::size_t at = header_size;
     while (at < datagram.size()) {

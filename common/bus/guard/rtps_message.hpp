@@ -8,13 +8,14 @@
 #include <optional>
 #include <vector>
 
+#include "common/bus/bus.hpp"
 #include "common/bus/guard/reader.hpp"
 
 namespace eti::bus {
 
 /// Writer of a submessage: the participant's GUID prefix and the writer's entity id, as on the wire.
 struct WriterId {
-    std::array<std::uint8_t, 12> participant;
+    ParticipantId participant;
     std::array<std::uint8_t, 4> entity;
 
     auto operator<=>(const WriterId&) const = default;
@@ -43,6 +44,12 @@ struct Announcement {
     bool of_another = false;  ///< of a participant other than the datagram's
 };
 
+/// Discovery data that asks for datagrams at an address beyond this machine.
+struct DistantLocator {
+    Bytes parameter;  ///< identifier of the parameter, in the datagram; zero makes it padding
+    std::optional<std::array<std::uint8_t, 4>> address;  ///< of IPv4; other kinds have none here
+};
+
 /// A submessage that a writer sends.
 struct WriterSubmessage {
     WriterId writer;
@@ -55,8 +62,7 @@ struct WriterSubmessage {
     /// padding. A gap's bitmap is cut off at the first number that it does not name; the writer repeats the
     /// rest when it is asked.
     std::vector<Replacement> replacements;
-    /// Discovery data that asks for datagrams at addresses beyond this machine.
-    bool announces_other_hosts = false;
+    std::vector<DistantLocator> distant_locators;
 };
 
 /// Whether a datagram is safe for the library: RTPS 2.x (OMG DDSI-RTPS 2.5, chapter 9.4) with complete

@@ -36,7 +36,9 @@
 #include "server/app/run/command_handler.hpp"
 #include "server/app/run/force_limit_monitor.hpp"
 #include "server/app/run/local_operator.hpp"
+#include "server/app/run/saliva_monitor.hpp"
 #include "server/app/run/simulation.hpp"
+#include "server/app/run/solver_threads.hpp"
 #include "server/app/run/step_priority.hpp"
 
 namespace eti::app {
@@ -76,9 +78,12 @@ void warn_about_view_stages(const OperatorScript& script) {
 
 class Session {
   public:
-    /// `has_next_session`: another session follows this one.
-    Session(const Options& options, const Scenario& scenario, bool has_next_session)
-        : options_(options), scenario_(scenario), live_(options.with_bus && !options.fast) {
+    /// `has_next_session`: another session follows this one. `threads` outlives it.
+    Session(const Options& options, const Scenario& scenario, bool has_next_session, SolverThreads& threads)
+        : options_(options),
+          scenario_(scenario),
+          threads_(threads),
+          live_(options.with_bus && !options.fast) {
         if (!options.operator_name.empty()) {
             script_ = load_operator(find_data_file(options.operator_name, "operators"));
             script_->skill = options.skill.value_or(script_->skill);
@@ -394,6 +399,7 @@ class Session {
     }
 
     void report_progress(const StepClock& clock) {
+        threads_.update();
         if (const std::string found = force_limit_monitor_.check(
                 simulation_->snapshot(), operator_ ? std::string_view(operator_->blade_stage()) : "");
             !found.empty()) {
@@ -405,12 +411,8 @@ class Session {
             spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind,
                          100.0 * clock.load());
         }
-        if (simulation_->snapshot().saliva.overflow > 0 && !warned_of_overflow_) {
-            warned_of_overflow_ = true;
-            spdlog::warn(
-                "mouth and throat contain the maximum amount of saliva ({} particles): secretion stops until "
-                "suction removes some",
-                simulation_->snapshot().saliva.positions.size());
+        if (const std::string found = saliva_monitor_.check(simulation_->snapshot().saliva); !found.empty()) {
+            spdlog::warn("{}", found);
         }
         // The demo reads its progress from this line.
         if (!options_.fast && simulation_->snapshot().step % steps_per_second == 0) {
@@ -484,6 +486,7 @@ class Session {
 
     Options options_;
     Scenario scenario_;
+    SolverThreads& threads_;
     scene::Inputs inputs_;
     bool live_;  // real-time session with the bus
     patient::Patient patient_;
@@ -513,7 +516,7 @@ class Session {
     std::uint64_t passes_ = 0;  // completed passes of the operator's script
     bool reset_ = false;        // requested internally, not by a command
     double warned_behind_ = 0.0;
-    bool warned_of_overflow_ = false;
+    SalivaMonitor saliva_monitor_;
 };
 
 /// File of the session with this number: x.eti.h5, x-2.eti.h5, ...
@@ -529,14 +532,16 @@ std::filesystem::path numbered_record(const std::filesystem::path& record, std::
 }  // namespace
 
 int run_server(const Options& options) {
-    const std::size_t threads =
-        options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors();
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    if (!options.replay.file.empty()) {
+        // It simulates nothing, and takes no share.
+        const tbb::global_control control(
+            tbb::global_control::max_allowed_parallelism,
+            options.threads > 0 ? static_cast<std::size_t>(options.threads) : usable_processors());
+        return replay(options);
+    }
+    SolverThreads threads(static_cast<unsigned>(options.threads));
     if (!options.resimulate.empty()) {
         return resimulate(options);
-    }
-    if (!options.replay.file.empty()) {
-        return replay(options);
     }
     std::vector<Scenario> scenarios;
     for (const std::string& name : options.scenarios) {
@@ -546,7 +551,7 @@ int run_server(const Options& options) {
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         Options session_options = options;
         session_options.record = numbered_record(options.record, i + 1);
-        Session session(session_options, scenarios[i], i + 1 < scenarios.size());
+        Session session(session_options, scenarios[i], i + 1 < scenarios.size(), threads);
         status = std::max(status, session.run());
         if (session.all_ended()) {
             break;

@@ -20,27 +20,53 @@ bool covers(const Geometry& g, const Vec3d& at) {
            at.z() <= g.size[2] - 0.5;
 }
 
+/// Weights of four neighbours of a position `t` behind the second of them.
+using Weights = std::array<float, 4>;
+
+Weights linear_weights(float t) {
+    return {0.0f, 1.0f - t, t, 0.0f};
+}
+
+/// Keys' cubic convolution (1981, IEEE Trans Acoust Speech Signal Process 29:1153), a = -1/2: it keeps edges
+/// that linear interpolation blurs, and reproduces quadratic functions.
+Weights cubic_weights(float t) {
+    return {((-0.5f * t + 1.0f) * t - 0.5f) * t, (1.5f * t - 2.5f) * t * t + 1.0f,
+            ((-1.5f * t + 2.0f) * t + 0.5f) * t, (0.5f * t - 0.5f) * t * t};
+}
+
+/// The value at a position in voxel indices, by weights along each axis; linear in the outermost cells.
+template <Weights (*weights)(float)>
 float interpolated(const Volume& volume, const Vec3d& at) {
     const Geometry& g = volume.geometry;
     if (!covers(g, at)) {
         return air;
     }
-    std::array<int, 3> low{};
-    std::array<float, 3> t{};
+    std::array<Weights, 3> weight{};
+    std::array<std::array<int, 4>, 3> index{};
     for (std::size_t k = 0; k < 3; ++k) {
-        const double p = at[static_cast<int>(k)];
-        const double inside = std::clamp(p, 0.0, static_cast<double>(g.size[k] - 1));
-        low[k] = std::min(static_cast<int>(inside), g.size[k] - 2);
-        t[k] = static_cast<float>(inside - low[k]);
+        const double inside = std::clamp(at[static_cast<int>(k)], 0.0, static_cast<double>(g.size[k] - 1));
+        const int low = std::min(static_cast<int>(inside), g.size[k] - 2);
+        const auto t = static_cast<float>(inside - low);
+        const bool in_outer_cell = low == 0 || low + 2 == g.size[k];
+        weight[k] = in_outer_cell ? linear_weights(t) : weights(t);
+        for (int j = 0; j < 4; ++j) {
+            index[k][static_cast<std::size_t>(j)] = std::clamp(low + j - 1, 0, g.size[k] - 1);
+        }
     }
     float sum = 0.0f;
-    for (int corner = 0; corner < 8; ++corner) {
-        const int dx = corner & 1;
-        const int dy = corner >> 1 & 1;
-        const int dz = corner >> 2;
-        const float weight =
-            (dx ? t[0] : 1.0f - t[0]) * (dy ? t[1] : 1.0f - t[1]) * (dz ? t[2] : 1.0f - t[2]);
-        sum += weight * volume.at(low[0] + dx, low[1] + dy, low[2] + dz);
+    for (std::size_t z = 0; z < 4; ++z) {
+        for (std::size_t y = 0; y < 4; ++y) {
+            const float row_weight = weight[1][y] * weight[2][z];
+            if (row_weight == 0.0f) {
+                continue;
+            }
+            const float* line = volume.value.data() + g.index(0, index[1][y], index[2][z]);
+            float part = 0.0f;
+            for (std::size_t x = 0; x < 4; ++x) {
+                part += weight[0][x] * line[index[0][x]];
+            }
+            sum += row_weight * part;
+        }
     }
     return sum;
 }
@@ -91,7 +117,7 @@ Volume downsampled(const Volume& volume, double spacing) {
                     const Vec3d at =
                         back * (to.geometry.point(x + off.x(), y + off.y(), z + off.z()) - from.origin);
                     if (covers(from, at)) {
-                        sum += interpolated(volume, at);
+                        sum += interpolated<linear_weights>(volume, at);
                         ++seen;
                     }
                 }
@@ -146,7 +172,7 @@ Volume resample_upright(const Volume& volume, const Geometry& from, std::size_t 
         for (int y = 0; y < to.geometry.size[1]; ++y) {
             for (int x = 0; x < to.geometry.size[0]; ++x) {
                 to.value[to.geometry.index(x, y, z)] =
-                    interpolated(volume, back * (to.geometry.point(x, y, z) - from.origin));
+                    interpolated<cubic_weights>(volume, back * (to.geometry.point(x, y, z) - from.origin));
             }
         }
     });

@@ -11,8 +11,8 @@ namespace eti::imaging {
 
 /// Resamples a volume to an isotropic grid along LPS; `geometry` is the volume's own or that of reoriented().
 /// Axes that already run along LPS, in any order or direction, are permuted without loss. Anything else
-/// (oblique or sheared axes, anisotropic spacing) is interpolated trilinearly at the finest spacing, or a
-/// coarser one that gives at most `most` voxels. Outside the volume is air (-1000 HU).
+/// (oblique or sheared axes, anisotropic spacing) is interpolated by cubic convolution at the finest spacing,
+/// or a coarser one that gives at most `most` voxels. Outside the volume is air (-1000 HU).
 [[nodiscard]] Volume resample_upright(const Volume& volume, const Geometry& geometry, std::size_t most);
 [[nodiscard]] inline Volume resample_upright(const Volume& volume, std::size_t most = std::size_t{1} << 26) {
     return resample_upright(volume, volume.geometry, most);
@@ -24,8 +24,8 @@ namespace eti::imaging {
 /// Marks the voxels of `grid` whose centres are in the volume.
 [[nodiscard]] std::vector<std::uint8_t> covered(const Geometry& grid, const Geometry& volume);
 
-/// Downsamples to voxels of `spacing` [m] along LPS: each is the mean of several samples where the volume is
-/// finer; NaN where the volume covers less than half of it.
+/// Downsamples to voxels of `spacing` [m] along LPS: each is the mean of several linearly interpolated
+/// samples where the volume is finer; NaN where the volume covers less than half of it.
 [[nodiscard]] Volume downsampled(const Volume& volume, double spacing);
 
 /// Resamples labels to another grid by nearest neighbour; 0 outside.

@@ -54,15 +54,18 @@ std::vector<std::optional<Label>> labels_of_cubes(const patient::Newborn& newbor
                                                   const imaging::Geometry& geometry,
                                                   const std::array<int, 3>& cubes) {
     const float h = static_cast<float>(geometry.step(0, 0));
+    const Vec3f to_middle = (geometry.step * Vec3d::Constant(0.5 * (cube - 1))).cast<float>();
+    // The far corner of a cube; farther where a tilted gantry shears it.
+    const float clear =
+        clear_of_borders * h * std::max(1.0f, to_middle.norm() / (0.5f * (cube - 1) * 1.7321f * h));
     std::vector<std::optional<Label>> labels(static_cast<std::size_t>(cubes[0]) * cubes[1] * cubes[2]);
     parallel::for_each(cubes[2], 1, [&](int z) {
         auto label = labels.begin() + static_cast<std::ptrdiff_t>(z) * cubes[0] * cubes[1];
         for (int y = 0; y < cubes[1]; ++y) {
             for (int x = 0; x < cubes[0]; ++x, ++label) {
-                const Vec3f to_middle = Vec3f::Constant(0.5f * (cube - 1) * h);
                 const Fields f =
                     newborn.fields(geometry.point(cube * x, cube * y, cube * z).cast<float>() + to_middle);
-                if (nearest_border(f) > clear_of_borders * h) {
+                if (nearest_border(f) > clear) {
                     *label = label_of(f);
                 }
             }
@@ -122,9 +125,15 @@ Phantom make_phantom(const PhantomSettings& settings, const Progress& progress) 
     Phantom phantom;
     imaging::Geometry& geometry = phantom.ct.geometry;
     geometry.origin = low.cast<double>();
+    // The slices' normal is inclined, the couch is not: their distance along the normal remains the spacing.
+    const double cosine = std::cos(static_cast<double>(settings.gantry_tilt));
     geometry.step = static_cast<double>(h) * Eigen::Matrix3d::Identity();
+    geometry.step.col(1) =
+        static_cast<double>(h) * Vec3d(0.0, cosine, std::sin(static_cast<double>(settings.gantry_tilt)));
+    geometry.step.col(2) = static_cast<double>(h) / cosine * Vec3d::UnitZ();
     for (int k = 0; k < 3; ++k) {
-        geometry.size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / h)) + 1;
+        geometry.size[static_cast<std::size_t>(k)] =
+            static_cast<int>(std::ceil((high[k] - low[k]) / static_cast<float>(geometry.step(k, k)))) + 1;
     }
     imaging::require_valid(geometry, "phantom");
     phantom.labels.geometry = geometry;

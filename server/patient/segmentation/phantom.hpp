@@ -14,7 +14,10 @@ struct PhantomSettings {
     NewbornShape newborn;
     float spacing = 0.6e-3f;  ///< [m] between voxels; half of it takes eight times as long
     float noise = 20.0f;      ///< [HU], standard deviation
-    std::uint64_t seed = 1;   ///< seed of the noise
+    /// [rad], of the scanner's gantry about left-right: slices are inclined, and each is shifted against the
+    /// last.
+    float gantry_tilt = 0.0f;
+    std::uint64_t seed = 1;  ///< seed of the noise
 };
 
 /// A CT of the parametric newborn with its ground truth.

@@ -37,6 +37,12 @@ struct Segmentation {
     /// Contradictions for the user: between file and image, organs of implausible size or position (which get
     /// no label), seeds outside of their organ.
     std::vector<std::string> contradictions;
+    float noise = 0.0f;  ///< [HU], standard deviation, see estimate_noise()
+    /// Of the tongue: its grey value's distance from the threshold to its neighbours, in standard deviations
+    /// of the noise after smoothing. Infinite without noise, 0 without a tongue.
+    float tongue_contrast_to_noise = 0.0f;
+    /// Why labels deserve little confidence, though nothing contradicts them.
+    std::vector<std::string> uncertainties;
 };
 
 /// Segments a CT of head and neck.

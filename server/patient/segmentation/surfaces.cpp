@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/mesh/isosurface.hpp"
 #include "server/patient/imaging/filter.hpp"
@@ -66,6 +67,21 @@ void require_same_grid(const imaging::Mask& labels, const imaging::Volume& ct) {
     }
 }
 
+/// Simplifies the surface to its budget of triangles, or to more where a coarse surface would cross itself:
+/// the border of bone in a noisy CT is folded more finely than the budget's triangles.
+void simplify_to(std::size_t budget, NamedSurface& surface) {
+    const TriangleMesh fine = std::move(surface.mesh);
+    for (; budget < fine.triangles.size(); budget *= 2) {
+        surface.mesh = simplify_without_self_intersection(fine, {.triangles = budget, .importance = {}});
+        surface.report = check(surface.mesh);
+        if (surface.report.is_valid()) {
+            return;
+        }
+    }
+    surface.mesh = fine;
+    surface.report = check(surface.mesh);
+}
+
 }  // namespace
 
 std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imaging::Volume* ct,
@@ -109,15 +125,13 @@ std::vector<NamedSurface> make_surfaces(const imaging::Mask& labels, const imagi
         surface.mesh = isosurface(field_of(g, member, ct, wanted.threshold), 0.0f);
         place(surface.mesh, g);
         smooth_without_self_intersection(surface.mesh, settings.smoothing);
-        surface.mesh =
-            simplify_without_self_intersection(surface.mesh, {.triangles = wanted.budget, .importance = {}});
-        surface.report = check(surface.mesh);
+        simplify_to(wanted.budget, surface);
         if (!surface.report.is_valid()) {
             const Vec3f at = 1e3f * surface.report.fault_at.value_or(Vec3f::Zero());
             throw imaging::VolumeError(
                 fmt::format("the surface of {} is not valid, first near ({:.1f}, {:.1f}, {:.1f}) mm: {}; "
                             "expected a closed, manifold, oriented surface that does not cross itself. "
-                            "Remedy: correct the labels there, or allow more triangles.",
+                            "Remedy: correct the labels there.",
                             wanted.name, at.x(), at.y(), at.z(), surface.report.describe()));
         }
         surfaces.push_back(std::move(surface));

@@ -14,6 +14,7 @@
 namespace eti::segmentation {
 
 struct SurfaceSettings {
+    // Where a coarse surface would cross itself it gets more triangles than these.
     std::size_t skin_triangles = 40000;
     std::size_t bone_triangles = 60000;
     std::size_t airway_triangles = 20000;

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -126,7 +127,16 @@ Result run_segment(SegmentRequest request) {
         result.text += fmt::format("\nthe head is rotated by {:.0f} degrees from the file's directions\n",
                                    found.turn / static_cast<double>(degree));
     }
+    result.json["noise_hu"] = found.noise;
+    result.json["tongue_contrast_to_noise"] = std::isfinite(found.tongue_contrast_to_noise)
+                                                  ? nlohmann::ordered_json(found.tongue_contrast_to_noise)
+                                                  : nlohmann::ordered_json();
     result.json["contradictions"] = found.contradictions;
+    result.json["uncertainties"] = found.uncertainties;
+    for (const std::string& what : found.uncertainties) {
+        remark("low confidence: " + what);
+        result.status = status_uncertain;
+    }
     for (const std::string& what : found.contradictions) {
         remark("doubtful: " + what);
         result.status = status_doubtful;
@@ -208,6 +218,11 @@ int main(int argc, char** argv) {
         .add_number("--noise-hu", phantom_settings.noise, "Standard deviation of the noise",
                     {0.0f, 200.0f, "HU"})
         .capture_default_str();
+    double gantry_tilt_deg = 0.0;
+    phantom
+        .add_number("--gantry-tilt-deg", gantry_tilt_deg, "Tilt of the scanner's gantry about left-right",
+                    {0.0, 30.0, "deg"})
+        .capture_default_str();
     phantom.add_number("--seed", phantom_settings.seed, "Seed of the noise", {0}).capture_default_str();
     phantom.add_option("--out", phantom_out, "CT volume to write (.nrrd, .nii, .nii.gz)").required();
 
@@ -235,6 +250,11 @@ int main(int argc, char** argv) {
         .add_number("--closing-mm", closing_mm, "Radius of the ball that closes lips and nostrils",
                     {0.0, 30.0, "mm"})
         .capture_default_str();
+
+    segment.footer(
+        "Exit status: 0 labels that nothing contradicts; 1 refused; 2 wrong usage; 4 labels with "
+        "contradictions "
+        "(doubtful); 5 labels of low confidence, because of noise.");
 
     CommandLine surfaces = app.add_subcommand(
         "surfaces", "Turn labels into closed surfaces of skin, bone and airway (STL, in mm)");
@@ -274,6 +294,7 @@ int main(int argc, char** argv) {
         Result result;
         if (phantom.parsed()) {
             phantom_settings.spacing = static_cast<float>(1e-3 * spacing_mm);
+            phantom_settings.gantry_tilt = static_cast<float>(gantry_tilt_deg) * degree;
             phantom_settings.newborn = phantom_shape.shape();
             phantom_settings.newborn.jaw_opening = static_cast<float>(jaw_opening_deg) * degree;
             result = run_phantom(phantom_settings, phantom_out);

@@ -22,9 +22,10 @@ struct Result {
 };
 
 inline constexpr int status_refused = 1;
-inline constexpr int status_no_model = 3;  ///< surfaces were written, but the rest is not sufficient for a
-                                           ///< model
-inline constexpr int status_doubtful = 4;  ///< labels were written, but with contradictions
+inline constexpr int status_no_model = 3;   ///< surfaces were written, but the rest is not sufficient for a
+                                            ///< model
+inline constexpr int status_doubtful = 4;   ///< labels were written, but with contradictions
+inline constexpr int status_uncertain = 5;  ///< labels were written, and deserve little confidence
 inline constexpr int status_interrupted = 130;
 
 /// Draws a progress bar on a terminal, at most ten times a second; thread-safe. Returns false to cancel.

@@ -2,12 +2,11 @@
 # Copyright the NeoETI authors
 """Programs hear the machines that their options say, and say so where a network comes later."""
 
-import os
 import signal
-import subprocess
 import sys
 import unittest
 
+import machines
 import support
 
 PORT = 7400 + 250 * support.DOMAIN  # discovery, DDSI-RTPS 2.5, 9.6.1.1
@@ -53,61 +52,18 @@ while True:
 """
 
 
-def why_impossible():
-    if os.geteuid() != 0:
-        return "network namespaces need root"
-    tried = subprocess.run(["unshare", "--net", "ip", "link", "add", "v0", "type", "veth", "peer", "name", "v1"],
-                           capture_output=True, text=True)
-    return f"no virtual network here: {tried.stderr.strip()}" if tried.returncode else None
-
-
-WHY_NOT = why_impossible()
-
-
-@unittest.skipIf(WHY_NOT, WHY_NOT)
-class ThisMachineOnly(support.Programs):
-    def host(self):
-        """A machine: the process that keeps its network."""
-        process = subprocess.Popen(["unshare", "--net", "sh", "-c", "ip link set lo up && echo up && exec sleep infinity"],
-                                   stdout=subprocess.PIPE, text=True)
-        self.addCleanup(process.stdout.close)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        self.assertEqual(process.stdout.readline(), "up\n")
-        return process
-
-    def on(self, host, *command, **options):
-        inside = ["nsenter", f"--net=/proc/{host.pid}/ns/net", *map(str, command)]
-        process = subprocess.Popen(inside, stdin=subprocess.DEVNULL, **options)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        return process
-
-    def ip(self, host, *words):
-        self.assertEqual(self.on(host, "ip", *words).wait(support.PATIENCE), 0, words)
-
-    def listed(self, host, *options):
-        """What a controller on that machine finds."""
-        return subprocess.run(["nsenter", f"--net=/proc/{host.pid}/ns/net", support.BIN / "eti-controller", "--list",
-                               "--json", *map(str, [*options, *self.bus])], capture_output=True, text=True,
-                              timeout=support.PATIENCE)
-
+@unittest.skipIf(machines.WHY_NOT, machines.WHY_NOT)
+class ThisMachineOnly(machines.Programs):
     def hosts(self):
         """Two machines and a cable, plugged in at neither end."""
         here, there = self.host(), self.host()
-        self.ip(here, "link", "add", "v0", "type", "veth", "peer", "name", "v1", "netns", there.pid)
+        self.cable(here, "v0", there, "v1")
         return here, there
-
-    def plug_in(self, host, device, address):
-        self.ip(host, "address", "add", f"{address}/24", "dev", device)
-        self.ip(host, "link", "set", device, "up")
 
     def test_link_that_comes_up_later_asks_for_restart(self):
         here, there = self.hosts()
         self.plug_in(there, "v1", THERE)
-        with (self.folder / "server.log").open("wb") as out:
-            self.running["server"] = self.on(here, support.BIN / "eti-server", "--scenario", support.COARSE_TERM, "--network",
-                                             *self.bus, stderr=out)
+        self.serve(here, "--network")
         self.wait_for("server", "no interface to other machines is up")
         self.wait_for("server", "runs scenario", support.SECONDS_TO_START)
         self.plug_in(here, "v0", HERE)
@@ -118,10 +74,7 @@ class ThisMachineOnly(support.Programs):
         here, there = self.hosts()
         for host, device, address in ((here, "v0", HERE), (there, "v1", THERE)):
             self.plug_in(host, device, address)
-        log = self.folder / "server.log"
-        with log.open("wb") as out:
-            server = self.on(here, support.BIN / "eti-server", "--scenario", support.COARSE_TERM, *self.bus, stderr=out)
-        self.running["server"] = server
+        server = self.serve(here)
         self.wait_for("server", "runs scenario", support.SECONDS_TO_START)
         self.on(there, sys.executable, "-c", OUTSIDER)
         self.on(here, sys.executable, "-c", STRANGER)

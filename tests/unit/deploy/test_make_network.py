@@ -95,6 +95,12 @@ class Network(unittest.TestCase):
             self.assertEqual(self.machine(name)[0]["Address"], own["Address"])
         self.assertEqual(len(self.machine("server")[1]), 2)
 
+    def test_forged_sources_on_other_interfaces_are_dropped(self):
+        self.make("server@lab.example", "trainee")
+        own, _ = self.machine("trainee")
+        self.assertIn("ip daddr 10.77.0.2 iifname != ", own["PostUp"])
+        self.assertEqual(own["PostDown"], "nft delete table inet %i")
+
     def test_largest_datagram_fits_a_packet(self):
         ip_and_udp = 28
         self.assertLessEqual(1400 + ip_and_udp, make_network.MTU)

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 const AnnouncementGuard::Clock::time_point announced{1h};
 const std::vector<std::uint8_t> first = {1, 2, 3, 4}, other = {1, 2, 3, 5};
 
-std::array<std::uint8_t, 12> participant(std::uint32_t n) {
+ParticipantId participant(std::uint32_t n) {
     return {1, 15, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)};
 }
 
@@ -37,6 +37,18 @@ TEST(AnnouncementGuard, SilentParticipantMayChange) {
     EXPECT_FALSE(guard.plausible(participant(1), {other}, later - 1ms));
     EXPECT_TRUE(guard.plausible(participant(1), {other}, later)) << "refused ones keep nothing alive";
     EXPECT_FALSE(guard.plausible(participant(1), {first}, later));
+}
+
+// docs/security.md: the guard cannot tell who of two is the participant, only who was first.
+TEST(AnnouncementGuard, ForgerWhoSpeaksFirstShutsOutOwner) {
+    AnnouncementGuard guard;
+    ASSERT_TRUE(guard.plausible(participant(1), {other}, announced)) << "forged";
+    for (auto now = announced; now < announced + 60s; now += 500ms) {
+        EXPECT_FALSE(guard.plausible(participant(1), {first}, now));
+        EXPECT_TRUE(guard.plausible(participant(1), {other}, now)) << "forged";
+    }
+    const auto given_up = announced + 60s + AnnouncementGuard::stands_for;
+    EXPECT_TRUE(guard.plausible(participant(1), {first}, given_up)) << "only while the forger goes on";
 }
 
 TEST(AnnouncementGuard, GoodbyeIsRefused) {

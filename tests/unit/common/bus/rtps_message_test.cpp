@@ -306,7 +306,7 @@ TEST(RtpsMessage, LocatorsBeyondThisMachineAreReported) {
             parameter, {kind, 0, 0, 0, 0xe8, 0x1c, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, a, b, c, d});
         bool found = false;
         EXPECT_TRUE(is_well_formed(message.bytes(), [&](const WriterSubmessage& written) {
-            found = written.announces_other_hosts;
+            found = !written.distant_locators.empty();
             return false;
         }));
         return found;
