@@ -72,9 +72,12 @@ constexpr RuntimeParameterField runtime_parameter_rows[] = {
         "infant's airway is distorted. Requires bones that yield"),
     pressure("laryngeal_pressure_up", "larynx pressed up", -max_pressure_aside, max_pressure_aside,
              &RuntimeParameters::laryngeal_pressure_up,
-             "The same, superior (towards the head); negative inferior"),
-    pressure("laryngeal_pressure_right", "larynx pressed right", -max_pressure_aside, max_pressure_aside,
-             &RuntimeParameters::laryngeal_pressure_right, "The same, to the patient's right; negative left"),
+             "Pressure of an assistant's fingers on the thyroid cartilage, superior (towards the head); "
+             "negative inferior"),
+    pressure(
+        "laryngeal_pressure_right", "larynx pressed right", -max_pressure_aside, max_pressure_aside,
+        &RuntimeParameters::laryngeal_pressure_right,
+        "Pressure of an assistant's fingers on the thyroid cartilage, to the patient's right; negative left"),
     {{"head_scale", "", "head scale", "", 1.0f, head_scale_range.low, head_scale_range.high,
       &RuntimeParameters::head_scale,
       "Scale of the cranium, 1 is normal for weight and age; visible in skin and skull only, nothing else "

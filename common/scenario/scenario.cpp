@@ -115,7 +115,8 @@ void read_assistant(YamlMap& map, Scenario& s) {
          "Stiffness [N m/rad] with which a hand holds the jaw at its commanded opening; 0: none holds it. "
          "Requires `bones_yield`");
     hand("hand_on_head_nm_per_rad", s.assistant.hand_on_head,
-         "The same of a hand or roll that holds the head at its commanded elevation");
+         "Stiffness [N m/rad] with which a hand or a roll holds the head at its commanded elevation; 0: none "
+         "holds it");
     read_fields(map, "assistant", runtime_parameter_fields, s.runtime_parameters);
     if (!s.physics.bones_yield) {
         refuse_on_fixed_bones(map, "assistant", s.runtime_parameters);
