@@ -13,11 +13,14 @@ namespace eti {
 /// Values that commands change while a session runs; SI. Inputs hold the targets, a snapshot the current
 /// values.
 struct RuntimeParameters {
-    float head_elevation = 0.0f;    ///< [rad], of the skull about the upper neck, positive chin-up
-    float jaw_opening = 0.0f;       ///< [rad]
-    float table_angle = 0.0f;       ///< [rad], positive head-up; the patient frame tilts with the table
-    float head_scale = 1.0f;        ///< cranium, relative to the mean for weight and age
-    float tongue_scale = 1.0f;      ///< relative to normal
+    float head_elevation = 0.0f;  ///< [rad], of the skull about the upper neck, positive chin-up
+    float jaw_opening = 0.0f;     ///< [rad]
+    float table_angle = 0.0f;     ///< [rad], positive head-up; the patient frame tilts with the table
+    float head_scale = 1.0f;      ///< cranium, relative to the mean for weight and age
+    float tongue_scale = 1.0f;    ///< relative to normal
+    float muscle_tone = 0.0f;     ///< of neck, jaw and hyoid: 0 relaxed to 1 awake
+    /// [N], of an assistant's fingers on the thyroid cartilage: posterior, superior, to the patient's right
+    float laryngeal_pressure_back = 0.0f, laryngeal_pressure_up = 0.0f, laryngeal_pressure_right = 0.0f;
     float tissue_stiffness = 8e3f;  ///< [Pa], Young's modulus of tongue and mucosa
     float secretion = 1.0f;         ///< relative to the glands' normal flow
     float suction = 0.0f;           ///< 0..1
@@ -42,6 +45,9 @@ struct RuntimeParameterField : Field<RuntimeParameters> {
 
 /// Every runtime parameter, in display order.
 extern const std::span<const RuntimeParameterField> runtime_parameter_fields;
+
+/// Whether the row has an effect only where bones yield.
+[[nodiscard]] bool acts_on_yielding_bones(const RuntimeParameterField& field);
 
 /// The row of a name, or nullptr.
 [[nodiscard]] const RuntimeParameterField* find_runtime_parameter(std::string_view name);

@@ -91,6 +91,38 @@ void reject_keys_fixed_by_model(const YamlMap& map, std::span<const std::string>
     }
 }
 
+/// Runtime parameters of a section that have an effect on yielding bones only.
+void refuse_on_fixed_bones(const YamlMap& map, std::string_view section, const RuntimeParameters& values) {
+    for (const RuntimeParameterField& field : runtime_parameter_fields) {
+        const float value = values.*field.value;
+        if (field.section == section && acts_on_yielding_bones(field) &&
+            value != RuntimeParameters{}.*field.value) {
+            map.refuse(field.key_in_section(), fmt::format("{:g}", value / field.per_unit),
+                       "'physics.bones_yield: on' as well; fixed bones do not yield to it");
+        }
+    }
+}
+
+void read_assistant(YamlMap& map, Scenario& s) {
+    const auto hand = [&](const std::string& key, float& stiffness, std::string_view help) {
+        stiffness = map.number(key, stiffness, {0.0f, 10.0f}, help);
+        if (map.has(key) && !s.physics.bones_yield) {
+            map.refuse(key, fmt::format("{:g}", stiffness),
+                       "'physics.bones_yield: on' as well; fixed bones stay where commands put them");
+        }
+    };
+    hand("hand_on_jaw_nm_per_rad", s.assistant.hand_on_jaw,
+         "Stiffness [N m/rad] with which a hand holds the jaw at its commanded opening; 0: none holds it. "
+         "Requires `bones_yield`");
+    hand("hand_on_head_nm_per_rad", s.assistant.hand_on_head,
+         "Stiffness [N m/rad] with which a hand or a roll holds the head at its commanded elevation; 0: none "
+         "holds it");
+    read_fields(map, "assistant", runtime_parameter_fields, s.runtime_parameters);
+    if (!s.physics.bones_yield) {
+        refuse_on_fixed_bones(map, "assistant", s.runtime_parameters);
+    }
+}
+
 /// Whether the patient model's file must exist for its scenario to be valid; a recorded one may have moved.
 enum class ModelFile { required, may_be_absent };
 
@@ -105,7 +137,8 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
     s.description = root.text("description", "", "Shown beside the name as the session begins");
     s.debriefing = root.text(
         "debriefing", "", "What to discuss afterwards; shown once the session has ended, and in the report");
-    if (auto patient = root.map("patient")) {
+    auto patient = root.map("patient");
+    if (patient) {
         Scenario::Patient& p = s.patient;
         read_shape(*patient, p.shape);
         read_fields(*patient, "patient", runtime_parameter_fields, s.runtime_parameters);
@@ -188,6 +221,13 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
                           "it; saves most of the time of an idle scene");
         physics->finish();
     }
+    if (patient && !s.physics.bones_yield) {
+        refuse_on_fixed_bones(*patient, "patient", s.runtime_parameters);
+    }
+    if (auto assistant = root.map("assistant")) {
+        read_assistant(*assistant, s);
+        assistant->finish();
+    }
     if (auto view = root.map("view")) {
         read_fields(*view, "view", runtime_parameter_fields, s.runtime_parameters);
         view->finish();
@@ -256,8 +296,8 @@ Scenario shown_scenario(const std::string& text) {
 
 std::vector<KeyDescription> describe_scenario() {
     std::vector<KeyDescription> keys;
-    (void)parse("patient: {}\nlaryngoscope: {}\ntube: {}\nphysics: {}\nview: {}\n", "the file's name",
-                ModelFile::may_be_absent, &keys);
+    (void)parse("patient: {}\nlaryngoscope: {}\ntube: {}\nphysics: {}\nassistant: {}\nview: {}\n",
+                "the file's name", ModelFile::may_be_absent, &keys);
     return keys;
 }
 

@@ -30,6 +30,12 @@ struct Scenario {
     } patient;
     RuntimeParameters runtime_parameters;  ///< at the start; a built model overrides the stiffness
 
+    /// How firmly an assistant's hands hold what is commanded, of bones that yield; 0: they do not.
+    struct Assistant {
+        float hand_on_jaw = 1.0f;   ///< [N m/rad], holds the mouth open
+        float hand_on_head = 0.5f;  ///< [N m/rad], a roll or a hand that holds the head back
+    } assistant;
+
     Blade blade = Blade::miller_1;
     Tube tube;
 

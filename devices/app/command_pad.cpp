@@ -11,9 +11,7 @@ namespace eti::devices {
 
 namespace {
 
-constexpr float rate = 10.0f * degree;       // [rad/s] at full deflection
-constexpr float dead_zone = 0.15f;           // for a stick at rest
-constexpr float sent_every = 0.5f * degree;  // [rad]
+constexpr float dead_zone = 0.15f;  // for a stick at rest
 constexpr std::string_view suction_name = "suction";
 constexpr float suction_step = 0.1f;
 constexpr std::size_t trigger = 5;     // right trigger of common pads: -1 released, 1 pressed
@@ -21,45 +19,53 @@ constexpr float settled_after = 1.0f;  // [s]
 
 }  // namespace
 
-void CommandPad::follow(Posture& posture, const RuntimeParameters& patient) {
-    const RuntimeParameterField& field = posture.field;
-    if (const float now = patient.*field.value; posture.rested >= settled_after && std::isfinite(now)) {
-        posture.value = posture.sent = field.clamped(now);
+const CommandPad::Motion CommandPad::turning{10.0f * degree, 0.5f * degree, false};
+const CommandPad::Motion CommandPad::pressing{3.0f, 0.25f, true};
+
+void CommandPad::follow(const RuntimeParameters& patient) {
+    for (Target& target : targets_) {
+        if (const float now = patient.*target.field.value;
+            target.rested >= settled_after && std::isfinite(now)) {
+            target.value = target.sent = target.field.clamped(now);
+        }
     }
 }
 
-void CommandPad::follow(const RuntimeParameters& patient) {
-    follow(head_, patient);
-    follow(jaw_, patient);
-    follow(table_, patient);
-}
-
-bool CommandPad::move(Posture& posture, float stick, float elapsed) {
-    if (!posture.value) {
+bool CommandPad::move(Target& target, float stick, float elapsed) {
+    if (!target.value) {
         return false;
     }
     if (std::abs(stick) < dead_zone) {
-        posture.rested += elapsed;
+        target.rested += elapsed;
         // The rest of the last move, when the stick comes to rest.
-        const bool unsent = posture.value != posture.sent;
-        posture.sent = *posture.value;
+        const bool unsent = target.value != target.sent;
+        target.sent = *target.value;
         return unsent;
     }
-    posture.rested = 0.0f;
-    posture.value = posture.field.clamped(*posture.value + rate * elapsed * stick);
-    if (std::abs(*posture.value - posture.sent) < sent_every) {
+    target.rested = 0.0f;
+    target.moved = true;
+    target.value = target.field.clamped(*target.value + target.motion.rate * elapsed * stick);
+    if (std::abs(*target.value - target.sent) < target.motion.sent_every) {
         return false;
     }
-    posture.sent = *posture.value;
+    target.sent = *target.value;
     return true;
 }
 
 std::vector<PadCommand> CommandPad::release() {
-    if (suction_ == 0.0f) {
-        return {};
+    std::vector<PadCommand> out;
+    if (suction_ != 0.0f) {
+        suction_ = 0.0f;
+        out.push_back({suction_name, 0.0f});
     }
-    suction_ = 0.0f;
-    return {{suction_name, 0.0f}};
+    for (Target& target : targets_) {
+        if (target.motion.pressure && target.moved && target.value && *target.value != 0.0f) {
+            target.value = target.sent = 0.0f;
+            out.push_back({target.field.name, 0.0f});
+        }
+        target.moved = false;
+    }
+    return out;
 }
 
 std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed) {
@@ -67,10 +73,9 @@ std::vector<PadCommand> CommandPad::update(const Reading& reading, float elapsed
         return release();
     }
     std::vector<PadCommand> out;
-    for (auto [posture, stick] : {std::pair{&head_, -reading.axes[1]}, std::pair{&jaw_, reading.axes[0]},
-                                  std::pair{&table_, -reading.axes[4]}}) {
-        if (move(*posture, stick, elapsed)) {
-            out.push_back({posture->field.name, *posture->value});
+    for (Target& target : targets_) {
+        if (move(target, target.sign * reading.axes[target.axis], elapsed)) {
+            out.push_back({target.field.name, *target.value});
         }
     }
     trigger_seen_ = trigger_seen_ || reading.axes[trigger] < -0.5f;

@@ -231,8 +231,13 @@ int main(int argc, char** argv) {
         "eti-controller");
     app.footer(
         "Gamepad: trigger or first button suction, left stick up and down head elevation, left and right jaw "
-        "opening, right stick up and down table (up: head-up).\n"
-        "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table.\n"
+        "opening, right stick up and down table (up: head-up), right stick right and left more and less "
+        "pressure "
+        "on the larynx backwards, directional pad the same up, down and to the sides.\n"
+        "Keyboard: s suction, arrows up and down head elevation, left and right jaw opening, ] and [ table, "
+        "b "
+        "and v more and less pressure on the larynx backwards, i, k, j and l the same up, down and to the "
+        "patient's left and right.\n"
         "Keys of --set: " +
         eti::runtime_parameter_help() + ". Exit status 0 only if the server accepted all commands.");
     add_device_options(app, options, DeviceRole::commands);

@@ -29,6 +29,11 @@ void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
 }
 constexpr float mucosa_stiffness = 40e3f;  // [N/m], of a contact: 20 mm^2 of 1.5 mm and 3 MPa on bone
 
+/// Force [N] of an assistant's fingers on the larynx, patient frame.
+Vec3f laryngeal_pressure(const RuntimeParameters& live) {
+    return {-live.laryngeal_pressure_right, live.laryngeal_pressure_back, live.laryngeal_pressure_up};
+}
+
 /// Contacts of the blade where bones yield.
 rigid::Settings compliant(rigid::Settings settings) {
     settings.contact_stiffness = mucosa_stiffness;
@@ -53,7 +58,7 @@ Scene::Scene(const patient::Patient& patient, const Laryngoscope& scope, const T
             .tissue_stiffness = patient.tissue_stiffness},
       tissue_(patient, settings.tissue_method, step_duration / static_cast<float>(settings.substeps)),
       bones_(settings.bones_yield && !tissue_.tongue().empty()
-                 ? std::optional<SkeletonCoupling>(std::in_place, patient, tissue_)
+                 ? std::optional<SkeletonCoupling>(std::in_place, patient, tissue_, settings.joints)
                  : std::nullopt),
       shell_(patient, bones_at(clamped(start.runtime_parameters)), bones_ ? &bones_->skeleton() : nullptr),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue,
@@ -110,6 +115,7 @@ void Scene::reset(const Inputs& start) {
     }
     tube_.set_material(apply_to_tube(built_tube_, live_));
     if (bones_) {
+        bones_->set_hands(live_.muscle_tone, laryngeal_pressure(live_));
         bones_->reset(posture_of(live_), tissue_);
         shell_at_.setZero();
     } else {
@@ -158,6 +164,9 @@ void Scene::follow(const RuntimeParameters& wanted) {
     if (live_.tube_youngs_modulus != before.tube_youngs_modulus ||
         live_.tube_curve_radius != before.tube_curve_radius) {
         tube_.set_material(apply_to_tube(built_tube_, live_));
+    }
+    if (bones_) {
+        bones_->set_hands(live_.muscle_tone, laryngeal_pressure(live_));
     }
     const bool tongue_grows = live_.tongue_scale != before.tongue_scale;
     if (tongue_grows) {

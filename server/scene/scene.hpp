@@ -39,6 +39,7 @@ struct Settings {
     float tongue_scale = 1.0f;  ///< with which the model was built
     rigid::Settings rigid;
     bool bones_yield = true;    ///< head, mandible and hyoid; only with an implicit mesh
+    JointProperties joints{};   ///< of bones that yield, at term
     bool self_contact = false;  ///< enables contact between tissue and tissue
     bool sleep = true;          ///< skips solving tissue at rest
     bool saliva = false;        ///< enables secretions in mouth and throat; costs nothing when off

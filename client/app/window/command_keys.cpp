@@ -25,7 +25,8 @@ constexpr std::array command_key_table{
     CommandKey{U']', "]", "table_angle", KeyAction::step, 1.0f, "table head-up"},
     CommandKey{U'[', "[", "table_angle", KeyAction::step, -1.0f, "table head-down"},
     CommandKey{U'e', "e", "view_enhanced", KeyAction::toggle, 0.0f, "enhanced view on or off"},
-    CommandKey{U's', "s", "suction", KeyAction::hold, 0.0f, "suction while held"},
+    CommandKey{U's', "s", "suction", KeyAction::hold, 1.0f, "suction while held"},
+    CommandKey{U'-', "-", "laryngeal_pressure_back", KeyAction::hold, 3.0f, "larynx pressed back while held"},
     CommandKey{U'r', "r", "reset", KeyAction::once, 0.0f, "reset tissue and tube"},
 };
 
@@ -46,7 +47,7 @@ std::optional<CommandRequest> CommandKeyMapper::press(const CommandKey& key, boo
         return std::nullopt;
     }
     const RuntimeParameterField* const field = find_runtime_parameter(key.command);
-    float value = 1.0f;
+    float value = key.action == KeyAction::hold ? field->clamped(key.amount * field->per_unit) : 1.0f;
     if (key.action == KeyAction::step || key.action == KeyAction::toggle) {
         const auto entry = pending_.find(key.command);
         const bool pending = entry != pending_.end() && now - entry->second.since < pending_timeout;
@@ -54,7 +55,7 @@ std::optional<CommandRequest> CommandKeyMapper::press(const CommandKey& key, boo
             return std::nullopt;
         }
         const float from = pending ? entry->second.value : patient.*field->value;
-        value = key.action == KeyAction::step ? field->clamped(from + key.step * field->per_unit)
+        value = key.action == KeyAction::step ? field->clamped(from + key.amount * field->per_unit)
                                               : (from > 0.5f ? 0.0f : 1.0f);
         // NaN: a step needs the current value, which the server does not publish.
         if (std::isnan(from) || value == from) {

@@ -19,7 +19,7 @@ enum class KeyAction : std::uint8_t {
     once,    ///< a command without a value
     step,    ///< adds to the value, repeatedly while the key is held
     toggle,  ///< between 0 and 1
-    hold,    ///< 1 while the key is held, else 0
+    hold,    ///< the amount while the key is held, else 0
 };
 
 /// One row of the table of command keys.
@@ -28,7 +28,7 @@ struct CommandKey {
     std::string_view caption;  ///< key name, in ASCII
     std::string_view command;  ///< "reset", or a name of common/model/runtime_parameters.hpp
     KeyAction action;
-    float step;  ///< in displayed units: degrees
+    float amount;  ///< in displayed units, of a step and while held
     std::string_view help;
 };
 

@@ -57,6 +57,18 @@ class Keyboard final : public SampleSource {
                 return deflect(4, 1.0f);
             case ']':
                 return deflect(4, -1.0f);  // up
+            case 'b':
+                return deflect(3, 1.0f);
+            case 'v':
+                return deflect(3, -1.0f);
+            case 'l':
+                return deflect(6, 1.0f);
+            case 'j':
+                return deflect(6, -1.0f);
+            case 'i':
+                return deflect(7, -1.0f);
+            case 'k':
+                return deflect(7, 1.0f);
             case 's':
                 sample.buttons ^= 1u;
                 return true;
@@ -69,7 +81,7 @@ class Keyboard final : public SampleSource {
 
   private:
     std::optional<Terminal> terminal_;
-    std::array<std::chrono::steady_clock::time_point, 5> until_{};
+    std::array<std::chrono::steady_clock::time_point, axis_count> until_{};
 };
 
 }  // namespace

@@ -99,6 +99,9 @@ std::string CommandHandler::refusal_of(const RuntimeParameterField& field, float
         return "there is no liquid in this scenario; restart it with 'saliva: standby', which starts without "
                "saliva";
     }
+    if (acts_on_yielding_bones(field) && !limits_.bones_yield && value != RuntimeParameters{}.*field.value) {
+        return "the bones of this scenario do not yield; restart it with 'physics: {bones_yield: on}'";
+    }
     return {};
 }
 

@@ -33,6 +33,8 @@ scene::Settings scene_settings(const Scenario& scenario) {
             .tongue_scale = limits.tongue_scale,
             .rigid = {},
             .bones_yield = scenario.physics.bones_yield,
+            .joints = {.hand_on_jaw = scenario.assistant.hand_on_jaw,
+                       .hand_on_head = scenario.assistant.hand_on_head},
             .self_contact = scenario.physics.self_contact,
             .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,
@@ -47,6 +49,7 @@ scene::Settings scene_settings(const Scenario& scenario) {
 PatientLimits limits_of(const Scenario& scenario) {
     PatientLimits limits;
     limits.saliva = scenario.saliva;
+    limits.bones_yield = scenario.physics.bones_yield && !scenario.manikin;
     // A model file's own sizes count as 1.
     const NewbornShape built = scenario.patient.model.empty() ? scenario.patient.shape : NewbornShape();
     limits.head_scale = built.head_scale;

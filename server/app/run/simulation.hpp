@@ -30,6 +30,7 @@ struct PatientLimits {
     float head_scale = 1.0f;    ///< with which the model was built
     float tongue_scale = 1.0f;  ///< with which the model was built
     bool saliva = false;
+    bool bones_yield = false;
 };
 
 [[nodiscard]] PatientLimits limits_of(const Scenario& scenario);

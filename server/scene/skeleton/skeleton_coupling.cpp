@@ -25,8 +25,9 @@ float scale_of(int coordinate) {
 
 }  // namespace
 
-SkeletonCoupling::SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue)
-    : patient_(patient), skeleton_(patient) {
+SkeletonCoupling::SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue,
+                                   const JointProperties& at_term)
+    : patient_(patient), skeleton_(patient, at_term) {
     const std::size_t count = patient.particles.size();
     for (std::uint32_t i = 0; i < count; ++i) {
         hyoid_share_.push_back(skeleton_.hyoid_share(patient.particles.rest[i]));
@@ -69,10 +70,22 @@ void SkeletonCoupling::place(const std::vector<Held>& held, SoftTissue& tissue) 
     }
 }
 
+void SkeletonCoupling::set_hands(float muscle_tone, const Vec3f& laryngeal_pressure) {
+    if (muscle_tone != muscle_tone_) {
+        muscle_tone_ = muscle_tone;
+        tone_changed_ = true;
+        skeleton_.set_muscle_tone(muscle_tone);
+    }
+    laryngeal_pressure_ = laryngeal_pressure;
+}
+
 void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_stiffness,
                                     const BladeContact& blade, const PosedShell& shell,
                                     const SoftTissue& tissue) {
     skeleton_.unload();
+    if (!laryngeal_pressure_.isZero(0.0f)) {
+        skeleton_.press_larynx(laryngeal_pressure_);
+    }
     float pressing = 0.0f;
     Vec3f normal_force = Vec3f::Zero();
     for (const rigid::Contact& contact : proxy.shell_contacts) {
@@ -109,6 +122,9 @@ void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_st
 }
 
 bool SkeletonCoupling::needs_step() const {
+    if (tone_changed_) {
+        return true;
+    }
     for (int c = 0; c < static_cast<int>(YieldingSkeleton::Bodies::coordinates); ++c) {
         const float scale = scale_of(c);
         // NaN must not count as still.
@@ -128,6 +144,7 @@ void SkeletonCoupling::begin_solve(SoftTissue& tissue, float dt) {
         bodies.jacobian[h] = skeleton_.columns(tissue.unposed(of_mesh_[h].particle), of_mesh_[h].carrier);
     }
     solved_load_ = skeleton_.load();
+    tone_changed_ = false;
 }
 
 void SkeletonCoupling::end_solve(SoftTissue& tissue, float dt) {

@@ -19,7 +19,8 @@ namespace eti::scene {
 /// safe.
 class SkeletonCoupling {
   public:
-    SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue);
+    SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue,
+                     const JointProperties& at_term);
 
     /// Both also place what the bones hold.
     void reset(const patient::Posture& posture, SoftTissue& tissue);
@@ -27,6 +28,8 @@ class SkeletonCoupling {
 
     [[nodiscard]] const YieldingSkeleton& skeleton() const { return skeleton_; }
 
+    /// Muscle tone, and the force [N] of an assistant's fingers on the larynx, from now on.
+    void set_hands(float muscle_tone, const Vec3f& laryngeal_pressure);
     /// Gathers the loads of a step; `proxy` is that step's, `blade` and `tissue` are as of the last. A
     /// contact of the proxy has `contact_stiffness` [N/m].
     void gather_loads(const ProxySnapshot& proxy, float contact_stiffness, const BladeContact& blade,
@@ -59,6 +62,9 @@ class SkeletonCoupling {
     std::vector<bool> in_mesh_;           // [particles]: corner of the mesh
     std::vector<float> hyoid_share_;      // [particles]
     std::vector<Held> of_mesh_, others_;  // particles that bone holds
+    float muscle_tone_ = 0.0f;
+    bool tone_changed_ = false;                 // since the last solve
+    Vec3f laryngeal_pressure_ = Vec3f::Zero();  // [N]
     YieldingSkeleton::Vector held_at_ = YieldingSkeleton::Vector::Zero();
     YieldingSkeleton::Vector solved_load_ = YieldingSkeleton::Vector::Zero();
 };

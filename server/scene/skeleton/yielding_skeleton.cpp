@@ -21,7 +21,8 @@ constexpr auto mandible = static_cast<std::size_t>(patient::Bone::mandible);
 constexpr float hyoid_forward_of_base = 7e-3f;
 constexpr float hyoid_below_base = 2.5e-3f;
 constexpr float hyoid_reach = 18e-3f;
-constexpr float gravity = 9.81f;  // [m/s^2]
+constexpr float thyroid_wall = 3.5e-3f;  // at term [m], in front of the anterior commissure
+constexpr float gravity = 9.81f;         // [m/s^2]
 
 JointProperties scaled(JointProperties p, float weight) {
     const float s = std::cbrt(weight / 3.5f);
@@ -54,6 +55,8 @@ YieldingSkeleton::YieldingSkeleton(const patient::Patient& patient, const JointP
     hyoid_ = patient::rest_of(patient, Landmark::epiglottis_base) -
              size * Vec3f(0.0f, hyoid_forward_of_base, hyoid_below_base);
     reach_ = size * hyoid_reach;
+    thyroid_ = patient::rest_of(patient, Landmark::glottis_anterior) - size * Vec3f(0.0f, thyroid_wall, 0.0f);
+    thyroid_carrier_ = {{1.0f, 0.0f, 0.0f}, hyoid_share(thyroid_)};
     // Gape over opening: the lower gum turns about the jaw's joint and slides.
     const Vec3f upper = patient::rest_of(patient, Landmark::upper_gum);
     const Vec3f lower = patient::rest_of(patient, Landmark::lower_gum);
@@ -189,22 +192,22 @@ std::array<YieldingSkeleton::Restoring, YieldingSkeleton::Bodies::coordinates> Y
     };
     const float extension = offset_[head_extension];
     const float held_head = posture_.head_elevation > 0.0f ? p.hand_on_head : 0.0f;
-    spring(head_extension, held_head + (extension > 0.0f ? p.neck_extension : p.neck_flexion));
+    spring(head_extension, held_head + passive_ * (extension > 0.0f ? p.neck_extension : p.neck_flexion));
     stop(head_extension, std::abs(extension) - p.neck_range, extension > 0.0f ? 1.0f : -1.0f, p.neck_stop);
 
-    spring(head_lift, p.neck_lift);
+    spring(head_lift, passive_ * p.neck_lift);
 
     const float held_jaw = posture_.jaw_opening > 0.0f ? p.hand_on_jaw : 0.0f;
-    spring(jaw_opening, held_jaw + p.jaw_opening);
+    spring(jaw_opening, held_jaw + passive_ * p.jaw_opening);
     stop(jaw_opening, opening() - widest_opening_, 1.0f, p.jaw_stop);
     stop(jaw_opening, closed_ - opening(), -1.0f, p.jaw_stop);
-    spring(jaw_slide, p.jaw_slide);
+    spring(jaw_slide, passive_ * p.jaw_slide);
     stop(jaw_slide, offset_[jaw_slide] - p.jaw_slide_range, 1.0f, p.jaw_slide_stop);
     stop(jaw_slide, -offset_[jaw_slide], -1.0f, p.jaw_slide_stop);
 
-    spring(hyoid_left, p.hyoid_sideways);
-    spring(hyoid_back, p.hyoid_forward);
-    spring(hyoid_up, p.hyoid_forward);
+    spring(hyoid_left, passive_ * p.hyoid_sideways);
+    spring(hyoid_back, passive_ * p.hyoid_forward);
+    spring(hyoid_up, passive_ * p.hyoid_forward);
     for (const Coordinate c : {hyoid_left, hyoid_back, hyoid_up}) {
         stop(c, std::abs(offset_[c]) - p.hyoid_range, offset_[c] > 0.0f ? 1.0f : -1.0f, p.hyoid_stop);
     }

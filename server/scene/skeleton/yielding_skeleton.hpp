@@ -39,6 +39,8 @@ struct JointProperties {
     float relaxation = 0.05f;       ///< [s], damping of every coordinate over its stiffness
     float hand_on_jaw = 1.0f;       ///< [N m/rad], of an assistant who holds the mouth open
     float hand_on_head = 0.5f;      ///< [N m/rad], of a roll or a hand that holds the head back
+    /// Passive stiffness of neck, jaw and hyoid in a newborn awake, over that of a relaxed one.
+    float awake = 3.0f;
 };
 
 /// Head, mandible and hyoid as bodies that yield to the forces of tissue and tools. A commanded posture is
@@ -85,6 +87,10 @@ class YieldingSkeleton {
     /// The same for a point [m] in the current posture; its carriers are taken to be there without load.
     [[nodiscard]] Bodies::Columns columns_at(const Vec3f& posed, const Carrier& carrier) const;
 
+    /// Sets the muscles' tone: 0 relaxed, as the properties are, to 1 awake. Stops are ligaments and bone and
+    /// do not change.
+    void set_muscle_tone(float tone) { passive_ = 1.0f + tone * (properties_.awake - 1.0f); }
+
     /// Discards all loads.
     void unload();
     /// Adds a force [N] that acts at a point until unload().
@@ -95,6 +101,9 @@ class YieldingSkeleton {
 
     /// The same where a spring of this `stiffness` [N/m] pulls in any direction.
     void add_spring(const Bodies::Columns& at, const Vec3f& force, float stiffness);
+
+    /// Adds a force [N] of fingers on the thyroid cartilage.
+    void press_larynx(const Vec3f& force) { add_load(columns(thyroid_, thyroid_carrier_), force); }
 
     /// Writes the bodies' own matrix and force for a step of `dt` [s].
     void write(Bodies& bodies, float dt) const;
@@ -123,9 +132,12 @@ class YieldingSkeleton {
     [[nodiscard]] Restoring table() const;
 
     const patient::Skeleton joints_;
-    JointProperties properties_;                   // scaled to the patient
-    Vec3f hyoid_ = Vec3f::Zero();                  // [m], at rest
-    float reach_ = 0.0f;                           // [m], of the hyoid's motion
+    JointProperties properties_;     // scaled to the patient
+    Vec3f hyoid_ = Vec3f::Zero();    // [m], at rest
+    float reach_ = 0.0f;             // [m], of the hyoid's motion
+    Vec3f thyroid_ = Vec3f::Zero();  // [m], front of the thyroid cartilage at rest
+    Carrier thyroid_carrier_;
+    float passive_ = 1.0f;                         // stiffness of muscles over that of relaxed ones
     float widest_opening_ = 0.0f, closed_ = 0.0f;  // [rad], where the jaw's stops begin
     patient::Posture posture_;
     Vector offset_ = Vector::Zero(), velocity_ = Vector::Zero(), load_ = Vector::Zero();

@@ -107,6 +107,22 @@ class Resimulate(support.Programs):
             self.assertGreater(numpy.ptp(file["tissue/tongue_scale"][:]), 0)
         self.assert_as_recorded(self.resimulate(), live)
 
+    def test_pressure_on_larynx_is_bit_identical(self):
+        scenario = self.folder / "pressed.yaml"
+        scenario.write_text(support.COARSE_TERM.read_text().replace("physics: {", "physics: {bones_yield: on, ") +
+                            "assistant: {hand_on_jaw_nm_per_rad: 2}\n")
+        self.start_server("--operator", "expert", "--json", scenario=scenario)
+        self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)
+        done = support.run("eti-controller", "--set", "laryngeal_pressure_back_n=3", "--set", "muscle_tone=0.5",
+                           "--set", "laryngeal_pressure_right_n=-1", *map(str, self.bus))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.wait_for("server", "simulation time 3 s")
+        live = self.end("server")
+        with h5py.File(self.record) as file:
+            self.assertEqual(file["skeleton/laryngeal_pressure_back"][-1], 3)
+            self.assertEqual(file["skeleton/muscle_tone"][-1], 0.5)
+        self.assert_as_recorded(self.resimulate(), live)
+
     def test_looped_operator_is_bit_identical(self):
         script = self.folder / "brief.yaml"
         script.write_text(BRIEF)

@@ -92,5 +92,12 @@ TEST_F(CommandKeys, SuctionIsOnWhileHeld) {
     EXPECT_FALSE(typing_.release(*command_key(U'r')));
 }
 
+TEST_F(CommandKeys, LarynxIsPressedWhileHeld) {
+    EXPECT_EQ(press(U'-', 10s), 3.0f);
+    EXPECT_TRUE(std::isnan(press(U'-', 10'500ms, true)));
+    EXPECT_EQ(typing_.release(*command_key(U'-'))->value, 0.0f);
+    EXPECT_FALSE(typing_.release(*command_key(U'-')));
+}
+
 }  // namespace
 }  // namespace eti

@@ -44,10 +44,12 @@ name: baby
 description: tries every key
 debriefing: was the view held?
 patient: {weight_kg: 1.1, gestational_age_weeks: 28, tongue_scale: 1.15, head_elevation_deg: 25,
-          jaw_opening_deg: 20, tissue_stiffness_kpa: 9}
+          jaw_opening_deg: 20, muscle_tone: 0.5, tissue_stiffness_kpa: 9}
 laryngoscope: {blade: miller_0}
 tube: {inner_diameter_mm: 2.5, length_mm: 150, youngs_modulus_mpa: 12, grip_from_tip_mm: 90, curve_radius_mm: 130}
-physics: {substeps: 6, spacing_mm: 1.5, fine_spacing_mm: 0.75, region_mm: 12, sleep: off}
+physics: {substeps: 6, spacing_mm: 1.5, fine_spacing_mm: 0.75, region_mm: 12, sleep: off, bones_yield: on}
+assistant: {hand_on_jaw_nm_per_rad: 2, hand_on_head_nm_per_rad: 0, laryngeal_pressure_back_n: 3,
+            laryngeal_pressure_up_n: -1, laryngeal_pressure_right_n: 2}
 saliva: on
 view: {enhanced: on}
 time_limit_s: 20
@@ -64,6 +66,12 @@ seed: 42
     EXPECT_FLOAT_EQ(s.runtime_parameters.head_elevation, 25 * degree);
     EXPECT_FLOAT_EQ(s.runtime_parameters.jaw_opening, 20 * degree);
     EXPECT_FLOAT_EQ(s.runtime_parameters.tissue_stiffness, 9e3f);
+    EXPECT_EQ(s.runtime_parameters.muscle_tone, 0.5f);
+    EXPECT_EQ(s.assistant.hand_on_jaw, 2.0f);
+    EXPECT_EQ(s.assistant.hand_on_head, 0.0f);
+    EXPECT_EQ(s.runtime_parameters.laryngeal_pressure_back, 3.0f);
+    EXPECT_EQ(s.runtime_parameters.laryngeal_pressure_up, -1.0f);
+    EXPECT_EQ(s.runtime_parameters.laryngeal_pressure_right, 2.0f);
     EXPECT_EQ(s.blade, Blade::miller_0);
     EXPECT_FLOAT_EQ(s.tube.inner_diameter, 2.5e-3f);
     EXPECT_FLOAT_EQ(s.tube.outer_diameter, 3.6e-3f) << "the outer diameter follows the inner";
@@ -130,6 +138,21 @@ TEST(Scenario, ErrorsNamePlaceFindingExpectationAndRemedy) {
     EXPECT_TRUE(
         refused("physics: {spacing_mm: 1, fine_spacing_mm: 1.5}\n", {"fine_spacing_mm", "spacing_mm"}));
     EXPECT_TRUE(refused("name: \"two\\nlines\"\n", {"name", "one line"}));
+}
+
+TEST(Scenario, AssistantNeedsBonesThatYield) {
+    EXPECT_TRUE(refused("physics: {bones_yield: on}\nassistant: {hand_on_jaw_nm_per_rad: 11}\n",
+                        {"baby.yaml:2", "'assistant.hand_on_jaw_nm_per_rad'", "'11'", "0 to 10"}));
+    EXPECT_TRUE(refused("physics: {bones_yield: on}\nassistant: {laryngeal_pressure_back_n: -1}\n",
+                        {"'assistant.laryngeal_pressure_back_n'", "0 to 10"}));
+    EXPECT_TRUE(refused("physics: {bones_yield: off}\nassistant: {hand_on_head_nm_per_rad: 2}\n",
+                        {"baby.yaml:2", "hand_on_head_nm_per_rad", "found 2", "physics.bones_yield: on"}));
+    EXPECT_TRUE(refused("assistant: {laryngeal_pressure_up_n: 2}\nphysics: {bones_yield: off}\n",
+                        {"baby.yaml:1", "laryngeal_pressure_up_n", "physics.bones_yield: on"}));
+    EXPECT_TRUE(refused("patient:\n  muscle_tone: 0.5\nphysics: {bones_yield: off}\n",
+                        {"baby.yaml:2", "'patient.muscle_tone'", "found 0.5", "physics.bones_yield: on"}));
+    EXPECT_EQ(read("patient: {muscle_tone: 0}\nphysics: {bones_yield: off}\n").runtime_parameters.muscle_tone,
+              0.0f);
 }
 
 TEST(Scenario, AgeFollowsWeightAndBothMustFit) {

@@ -141,6 +141,49 @@ TEST(CommandPad, TheRightStickTiltsTheTableEitherWay) {
     }
 }
 
+TEST(CommandPad, PressesTheLarynxAndEndsWithThePad) {
+    struct Push {
+        std::size_t axis;
+        float stick;
+        const char* name;
+        float force;  // [N], after half a second
+    };
+    for (const Push& push :
+         {Push{3, 1.0f, "laryngeal_pressure_back", 1.5f}, Push{6, -1.0f, "laryngeal_pressure_right", -1.5f},
+          Push{7, -1.0f, "laryngeal_pressure_up", 1.5f}}) {
+        CommandPad pad = pad_at(10.0f, 20.0f, 0.0f);
+        Reading reading;
+        reading.axes[push.axis] = push.stick;
+        std::vector<PadCommand> sent;
+        for (int i = 0; i < 26; ++i) {
+            if (i == 25) {
+                reading.axes = {};
+            }
+            for (const PadCommand& command : pad.update(reading, dt)) {
+                sent.push_back(command);
+            }
+        }
+        ASSERT_FALSE(sent.empty()) << push.name;
+        EXPECT_LE(sent.size(), 7u) << "one a quarter of a newton";
+        EXPECT_EQ(sent.back().name, push.name);
+        EXPECT_NEAR(sent.back().value, push.force, 1e-4f) << push.name;
+        reading.present = false;
+        const std::vector<PadCommand> last = pad.update(reading, dt);
+        ASSERT_EQ(last.size(), 1u) << push.name;
+        EXPECT_EQ(last[0].name, push.name);
+        EXPECT_EQ(last[0].value, 0.0f);
+        EXPECT_TRUE(pad.release().empty());
+    }
+}
+
+TEST(CommandPad, LeavesThePressureOfOthers) {
+    CommandPad pad;
+    RuntimeParameters pressed;
+    pressed.laryngeal_pressure_back = 4.0f;
+    pad.follow(pressed);
+    EXPECT_TRUE(pad.release().empty());
+}
+
 TEST(CommandPad, ButtonAndTriggerControlSuction) {
     CommandPad pad;
     Reading reading;

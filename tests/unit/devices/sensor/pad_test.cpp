@@ -147,6 +147,29 @@ TEST(Keyboard, STogglesSuctionAndBracketsTiltTheTable) {
               0);
 }
 
+TEST(Keyboard, LettersPressTheLarynx) {
+    EXPECT_EQ(typed("bli",
+                    [](Loop& loop) {
+                        return loop.until([&] {
+                            const auto& axes = loop.reading.axes;
+                            return axes[3] == 1.0f && axes[6] == 1.0f && axes[7] == -1.0f;
+                        })
+                                   ? 0
+                                   : 1;
+                    }),
+              0);
+    EXPECT_EQ(typed("vjk",
+                    [](Loop& loop) {
+                        return loop.until([&] {
+                            const auto& axes = loop.reading.axes;
+                            return axes[3] == -1.0f && axes[6] == -1.0f && axes[7] == 1.0f;
+                        })
+                                   ? 0
+                                   : 1;
+                    }),
+              0);
+}
+
 TEST(Keyboard, ClosedTerminalIsALostDevice) {
     int terminal = -1;
     const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);

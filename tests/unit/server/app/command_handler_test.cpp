@@ -84,7 +84,10 @@ TEST(CommandHandler, RefusesValuesOutsidePatientLimits) {
           Case{"tongue_scale", 0.79f, "0.79, expected 0.8 to 1.4"}, Case{"tongue_scale", nan, "tongue scale"},
           Case{"tissue_stiffness", 99.9e3f, nullptr},
           Case{"tissue_stiffness", 900.0f, "0.9 kPa, expected 1 to 100"},
-          Case{"tissue_stiffness", nan, "tissue stiffness"}, Case{"secretion", 1.0f, "saliva: standby"}}) {
+          Case{"tissue_stiffness", nan, "tissue stiffness"}, Case{"secretion", 1.0f, "saliva: standby"},
+          Case{"muscle_tone", 0.0f, nullptr}, Case{"muscle_tone", 0.5f, "bones_yield: on"},
+          Case{"laryngeal_pressure_back", 3.0f, "bones_yield: on"},
+          Case{"laryngeal_pressure_back", 10.5f, "10.5 N, expected 0 to 10"}}) {
         CommandHandler desk(limits(), {.tongue_scale = 1.15f});
         const RuntimeParameters before = desk.wanted();
         desk.handle({"instructor", 1, c.name, c.value});
@@ -123,6 +126,7 @@ TEST(CommandHandler, UnknownCommandIsNamed) {
 TEST(CommandHandler, RuntimeParametersAcceptTheirRangeLimits) {
     PatientLimits wet;
     wet.saliva = true;
+    wet.bones_yield = true;
     for (const RuntimeParameterField& field : runtime_parameter_fields) {
         for (const float typed : {field.low, field.high}) {
             CommandHandler desk(wet);

@@ -149,6 +149,73 @@ TEST(YieldingSkeleton, HeadLeavesTheTableUnderMoreThanItsWeight) {
     EXPECT_NEAR(lifted, expected, 0.02f * expected);
 }
 
+TEST(YieldingSkeleton, MuscleToneScalesPassiveStiffness) {
+    const Vec3f chin = rest_of(test::coarse_newborn(), Landmark::lower_gum);
+    for (const float tone : {0.0f, 0.5f, 1.0f}) {
+        BareSkeleton bare;
+        const float stiffer = 1.0f + tone * (bare.at_term.awake - 1.0f);
+        bare.skeleton.set_muscle_tone(tone);
+        bare.settle(chin, on_mandible, {0.0f, 0.0f, -0.3f});
+        const float torsion = stiffer * bare.at_term.jaw_opening * std::pow(bare.size, 3.0f);
+        const float angle = bare.skeleton.load()[YieldingSkeleton::jaw_opening] / torsion;
+        EXPECT_NEAR(bare.offset(YieldingSkeleton::jaw_opening), angle, 1e-3f * angle) << "tone " << tone;
+
+        BareSkeleton hyoid;
+        hyoid.skeleton.set_muscle_tone(tone);
+        hyoid.settle(chin, {{1.0f, 0.0f, 0.0f}, 1.0f}, {0.4f, 0.0f, 0.5f});
+        const float aside = 0.4f / (stiffer * hyoid.at_term.hyoid_sideways * hyoid.size);
+        const float up = 0.5f / (stiffer * hyoid.at_term.hyoid_forward * hyoid.size);
+        EXPECT_NEAR(hyoid.offset(YieldingSkeleton::hyoid_left), aside, 1e-3f * aside) << "tone " << tone;
+        EXPECT_NEAR(hyoid.offset(YieldingSkeleton::hyoid_up), up, 1e-3f * up) << "tone " << tone;
+
+        // Neck and mattress in parallel against a pull on the neck's joint.
+        BareSkeleton neck;
+        neck.skeleton.set_muscle_tone(tone);
+        neck.settle(neck.patient.skeleton.neck_joint, on_skull, {0.0f, -2.0f, 0.0f});
+        const float lift = neck.offset(YieldingSkeleton::head_lift);
+        const float extension = neck.offset(YieldingSkeleton::head_extension);
+        const float mattress = neck.at_term.mattress * (lift - neck.size * neck.at_term.occiput * extension);
+        EXPECT_NEAR(stiffer * neck.at_term.neck_lift * neck.size * lift + mattress, 2.0f, 0.02f);
+        EXPECT_NEAR(stiffer * neck.at_term.neck_extension * std::pow(neck.size, 3.0f) * extension,
+                    neck.size * neck.at_term.occiput * mattress,
+                    0.02f * neck.size * neck.at_term.occiput * mattress);
+    }
+}
+
+TEST(YieldingSkeleton, HandHoldsTheJawByItsStiffness) {
+    const Vec3f chin = rest_of(test::coarse_newborn(), Landmark::lower_gum);
+    for (const float hand : {0.0f, 1.0f, 4.0f}) {
+        JointProperties joints;
+        joints.hand_on_jaw = hand;
+        BareSkeleton bare(joints);
+        bare.skeleton.reset({0.0f, 10.0f * degree, 0.0f});
+        bare.settle(chin, on_mandible, {0.0f, 0.0f, -0.2f});
+        const float torsion = hand + joints.jaw_opening * std::pow(bare.size, 3.0f);
+        const float angle = bare.skeleton.load()[YieldingSkeleton::jaw_opening] / torsion;
+        EXPECT_NEAR(bare.offset(YieldingSkeleton::jaw_opening), angle, 1e-3f * angle) << hand;
+    }
+}
+
+TEST(YieldingSkeleton, LarynxYieldsByPressureOverStiffness) {
+    BareSkeleton bare;
+    const auto press = [&](const Vec3f& force) {
+        for (int k = 0; k < 4000; ++k) {
+            bare.skeleton.unload();
+            bare.skeleton.press_larynx(force);
+            bare.step(step_duration);
+        }
+    };
+    press({-1.0f, 1.5f, 0.5f});
+    const float sagittal = bare.at_term.hyoid_forward * bare.size;
+    const float sideways = bare.at_term.hyoid_sideways * bare.size;
+    EXPECT_NEAR(bare.offset(YieldingSkeleton::hyoid_left), -1.0f / sideways, 0.02f / sideways);
+    EXPECT_NEAR(bare.offset(YieldingSkeleton::hyoid_back), 1.5f / sagittal, 0.02f * 1.5f / sagittal);
+    EXPECT_NEAR(bare.offset(YieldingSkeleton::hyoid_up), 0.5f / sagittal, 0.02f * 0.5f / sagittal);
+    EXPECT_LT(bare.skeleton.offset().head<4>().cwiseAbs().maxCoeff(), 1e-6f) << "head and jaw stay";
+    press(Vec3f::Zero());
+    EXPECT_LT(bare.skeleton.offset().cwiseAbs().maxCoeff(), 1e-6f);
+}
+
 TEST(YieldingSkeleton, SwingsAtItsNaturalFrequency) {
     JointProperties undamped;
     undamped.relaxation = 0.0f;
@@ -228,6 +295,73 @@ TEST_F(SceneSkeletonTest, UntouchedBonesRestAndSleep) {
     }
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 1e-5f);
     EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
+}
+
+TEST_F(SceneSkeletonTest, PressedLarynxMovesSleepsAndReturns) {
+    Scene scene = make();
+    const auto glottis = [&] { return at(scene.snapshot().landmarks, Landmark::glottis); };
+    const auto back = [&] { return scene.skeleton()->offset()[YieldingSkeleton::hyoid_back]; };
+    const Vec3f rest = glottis();
+    Inputs inputs = away_;
+    inputs.runtime_parameters.laryngeal_pressure_back = 2.0f;
+    inputs.runtime_parameters.laryngeal_pressure_right = 1.0f;
+    for (int k = 0; k < 720; ++k) {
+        scene.step(inputs);
+    }
+    EXPECT_EQ(scene.snapshot().runtime_parameters.laryngeal_pressure_back, 2.0f);
+    EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
+    // The tongue, which hangs on the hyoid, holds some of the force.
+    const float free_way =
+        2.0f / (JointProperties{}.hyoid_forward * std::cbrt(test::coarse_newborn().weight / 3.5f));
+    EXPECT_LT(back(), free_way);
+    EXPECT_GT(back(), 0.5f * free_way);
+    const Vec3f moved = glottis() - rest;
+    // The front of the larynx goes with the hyoid, its back lies on the pharynx.
+    EXPECT_GT(moved.y(), 0.3f * back());
+    EXPECT_LT(moved.y(), back());
+    EXPECT_LT(moved.x(), -0.3e-3f) << "to the patient's right";
+    for (int k = 0; k < 900; ++k) {
+        scene.step(away_);
+    }
+    EXPECT_LT((glottis() - rest).norm(), 0.2e-3f);
+    EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
+}
+
+TEST_F(SceneSkeletonTest, MuscleToneStiffensPressedBonesAtOnce) {
+    Scene scene = make();
+    Inputs inputs = away_;
+    inputs.runtime_parameters.laryngeal_pressure_back = 2.0f;
+    for (int k = 0; k < 720; ++k) {
+        scene.step(inputs);
+    }
+    ASSERT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
+    const float relaxed = scene.skeleton()->offset()[YieldingSkeleton::hyoid_back];
+    inputs.runtime_parameters.muscle_tone = 1.0f;
+    for (int k = 0; k < 720; ++k) {
+        scene.step(inputs);
+    }
+    const float awake = scene.skeleton()->offset()[YieldingSkeleton::hyoid_back];
+    EXPECT_LT(awake, 0.5f * relaxed) << "three times the stiffness, and the tongue's";
+    EXPECT_GT(awake, relaxed / 3.0f - 1e-4f);
+    EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
+}
+
+TEST_F(SceneSkeletonTest, ResetUnderPressureHasTheSameBits) {
+    const auto hash = [&](bool before) {
+        Scene scene = make();
+        Inputs inputs = away_;
+        inputs.runtime_parameters.laryngeal_pressure_back = 3.0f;
+        inputs.runtime_parameters.muscle_tone = 0.3f;
+        for (int k = 0; before && k < 60; ++k) {
+            scene.step(inputs);
+        }
+        scene.reset(inputs);
+        for (int k = 0; k < 60; ++k) {
+            scene.step(inputs);
+        }
+        return scene.state_hash();
+    };
+    EXPECT_EQ(hash(false), hash(true));
 }
 
 TEST_F(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
