@@ -177,6 +177,13 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             physics->refuse("bones_yield", "on with 'tissue_method: clusters'",
                             "'tissue_method: implicit' or 'hexahedra', whose step the bones are part of");
         }
+        p.relaxation = physics->flag("relaxation", p.relaxation,
+                                     "The force of a held blade falls, as tongue and epiglottis relax (under "
+                                     "test); with `implicit` or `hexahedra`");
+        if (p.relaxation && p.tissue_method == TissueMethod::clusters) {
+            physics->refuse("relaxation", "on with 'tissue_method: clusters'",
+                            "'tissue_method: implicit' or 'hexahedra', whose elements relax");
+        }
         p.self_contact = physics->flag("self_contact", p.self_contact,
                                        "Self-contact of tongue, epiglottis and pharyngeal walls");
         p.sleep =

@@ -41,6 +41,10 @@ float input_modulus_of(const patient::Patient& patient, std::uint32_t cluster, f
 constexpr float hexahedron_poisson_ratio = 0.49f;
 constexpr float tetrahedron_poisson_ratio = 0.45f;
 
+// Of a blade in the lift (docs/solver/hexahedra.md#relaxation). A published half-time of 4 s.
+constexpr float relaxing_share = 0.36f;
+constexpr float relaxation_time = 4.0f / 0.6931472f;  // [s]
+
 // [spacings] from a cluster's centre. Clusters reach farther, and a surface drawn with the mean of all
 // members does not follow a blade's dent (docs/decisions/skinning.md).
 constexpr float fitted_reach = 1.75f;
@@ -337,6 +341,10 @@ void SoftTissue::update_moduli() {
         moduli_.push_back(patient::link_stiffness(patient_, l, soft_));
     }
     body_.links.set_stiffness(moduli_);
+}
+
+void SoftTissue::enable_relaxation() {
+    tongue_.relax({.share = relaxing_share, .time = relaxation_time});
 }
 
 void SoftTissue::enable_sleeping() {

@@ -33,6 +33,7 @@ scene::Settings scene_settings(const Scenario& scenario) {
             .tongue_scale = limits.tongue_scale,
             .rigid = {},
             .bones_yield = scenario.physics.bones_yield,
+            .relaxation = scenario.physics.relaxation,
             .self_contact = scenario.physics.self_contact,
             .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,
