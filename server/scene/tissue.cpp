@@ -41,9 +41,10 @@ float input_modulus_of(const patient::Patient& patient, std::uint32_t cluster, f
 constexpr float hexahedron_poisson_ratio = 0.49f;
 constexpr float tetrahedron_poisson_ratio = 0.45f;
 
-// Of a blade in the lift (docs/solver/hexahedra.md#relaxation). A published half-time of 4 s.
-constexpr float relaxing_share = 0.36f;
-constexpr float relaxation_time = 4.0f / 0.6931472f;  // [s]
+// The force of a held blade then falls to 70 % with a half-time of 4 s, as published, where bones in series
+// with the tissue do not relax (docs/solver/hexahedra.md#relaxation).
+constexpr float relaxing_share = 0.5f;
+constexpr float relaxation_time = 4.5f;  // [s]
 
 // [spacings] from a cluster's centre. Clusters reach farther, and a surface drawn with the mean of all
 // members does not follow a blade's dent (docs/decisions/skinning.md).
