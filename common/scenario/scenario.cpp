@@ -213,6 +213,13 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             }
             p.bones_yield = false;
         }
+        p.relaxation = physics->flag("relaxation", p.relaxation,
+                                     "The force of a held blade falls, as tongue and epiglottis relax (under "
+                                     "test); only with `tissue_method: implicit`");
+        if (p.relaxation && p.tissue_method == TissueMethod::clusters) {
+            physics->refuse("relaxation", "on with 'tissue_method: clusters'",
+                            "'tissue_method: implicit', whose elements relax");
+        }
         p.self_contact = physics->flag("self_contact", p.self_contact,
                                        "Self-contact of tongue, epiglottis and pharyngeal walls");
         p.sleep =

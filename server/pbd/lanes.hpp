@@ -25,6 +25,10 @@ static_assert(sizeof(Eigen::Vector4f) == sizeof(Float4));
     std::memcpy(&to, from, sizeof to);
 }
 
+[[gnu::always_inline]] inline void store(const Lanes& from, float* to) {
+    std::memcpy(to, &from, sizeof from);
+}
+
 [[nodiscard]] [[gnu::always_inline]] inline Float4 load_float4(const float* from) {
     Float4 out;
     std::memcpy(&out, from, sizeof out);

@@ -94,6 +94,9 @@ Scene::Scene(const patient::Patient& patient, const Laryngoscope& scope, const T
             shell_particles_.push_back(i);
         }
     }
+    if (settings.relaxation) {
+        tissue_.enable_relaxation();
+    }
     if (settings.sleep) {
         tissue_.enable_sleeping();
     }
@@ -491,6 +494,7 @@ std::uint64_t Scene::state_hash() const {
     Hash hash;
     hash.add(std::span<const Vec3f>(tissue_.body().particles.position));
     hash.add(std::span<const Vec3f>(tissue_.body().particles.velocity));
+    hash.add(tissue_.tongue().mesh().memory().metrics());  // nothing without relaxation
     for (const pbd::RodSegment& segment : tube_.rod().segments()) {
         add(hash, segment.position);
         add(hash, Eigen::Vector4d(segment.rotation.coeffs()));

@@ -40,6 +40,7 @@ struct Settings {
     rigid::Settings rigid;
     bool bones_yield = true;    ///< head, mandible and hyoid; only with an implicit mesh
     JointProperties joints{};   ///< of bones that yield, at term
+    bool relaxation = false;    ///< stress relaxation; needs an implicit tongue
     bool self_contact = false;  ///< enables contact between tissue and tissue
     bool sleep = true;          ///< skips solving tissue at rest
     bool saliva = false;        ///< enables secretions in mouth and throat; costs nothing when off
@@ -78,8 +79,9 @@ class Scene {
     /// Times the stages of subsequent steps with `timer`, which must outlive them; nullptr: none.
     void set_step_timer(StepTimer* timer) { timer_ = timer; }
 
-    /// FNV-1a over the bits of positions and velocities of particles, rod, proxy and liquid. State that
-    /// contacts keep between steps is excluded; differences in it show a step later.
+    /// FNV-1a over the bits of positions and velocities of particles, rod, proxy and liquid, and of the
+    /// tissue's relaxation, which lasts for seconds. State that contacts keep between steps is excluded;
+    /// differences in it show a step later.
     [[nodiscard]] std::uint64_t state_hash() const;
 
     /// Restores the initial state of patient and tools, with the tools at `start`. Simulation time continues.

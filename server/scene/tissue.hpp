@@ -41,6 +41,8 @@ class SoftTissue {
     /// Young's modulus of tongue and mucosa [Pa]; shape and state do not change.
     void set_stiffness(float soft);
 
+    /// From now on the stress of the implicit mesh relaxes.
+    void enable_relaxation();
     /// Lets tissue at rest sleep from now on; the body's begin_step() and end_step() must then enclose each
     /// step.
     void enable_sleeping();

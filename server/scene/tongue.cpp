@@ -69,6 +69,7 @@ void Tongue::reset(pbd::Particles& particles) {
     contacts_.reset();
     self_contacts_.reset();
     mesh_.self_contacts.clear();
+    mesh_.forget();
     away_ = relax_end;
     mesh_.contacts.clear();
     mesh_.springs.clear();
@@ -102,6 +103,7 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
     mesh_.springs = cluster_springs_;
     const auto used = mesh_.particles();
     const bool drawn = away_ > relax_begin && away_ < relax_end;
+    mesh_.set_recovering(drawn);  // else dents that it draws out would return
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (drawn && moved_[used[k]]) {
             mesh_.springs.push_back({used[k], particles.rest[used[k]], draw * mesh_.own_stiffness(k), false});
@@ -137,6 +139,7 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
                            }
                        });
     mesh_.solve_linearised(p, dt);
+    body.sleep.keep_mesh_awake(mesh_.is_relaxing());
     for (std::size_t k = 0; k < used.size(); ++k) {
         to_[k] = p.predicted[used[k]];
         push_[k].setZero();

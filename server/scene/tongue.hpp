@@ -34,6 +34,8 @@ class Tongue {
                    pbd::Particles& particles, float substep);
     /// From now on the mesh stays out of itself, and other particles of it out of the solid.
     void keep_apart(const SelfContactFinder::Description& description);
+    /// From now on its stress relaxes.
+    void relax(const pbd::Relaxation& relaxation) { mesh_.relax(relaxation); }
     [[nodiscard]] bool empty() const { return mesh_.size() == 0; }
     /// [particles]: whether the mesh moves it; empty where there is no mesh.
     [[nodiscard]] const std::vector<bool>& moved() const { return moved_; }
@@ -69,7 +71,7 @@ class Tongue {
     /// [tetrahedra][Pa] and [hexahedra][Pa]
     void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra,
                             pbd::Particles& particles);
-    /// Discards contacts; particles must be at rest.
+    /// Discards contacts and memory of deformations; particles must be at rest.
     void reset(pbd::Particles& particles);
 
     /// Number of solves for a step of `substeps` in which the blade travels `blade_way` [m]; divides
@@ -78,7 +80,8 @@ class Tongue {
 
     /// Call once before a step's solves, with whether no tool is near any tissue. Some time after the last
     /// tool has left, the tongue is drawn to its rest shape for a moment, because a mesh wound about itself
-    /// would stay so. Returns true when that begins; the tongue must then be awake.
+    /// would stay so; its stress relaxation is forgotten meanwhile. Returns true when that begins; the tongue
+    /// must then be awake.
     [[nodiscard]] bool update_tools_away(bool away);
 
     /// Solves for a part of a step of `dt` [s], in which `blade` moves from one pose to the other. Particles

@@ -35,6 +35,7 @@ scene::Settings scene_settings(const Scenario& scenario) {
             .bones_yield = scenario.physics.bones_yield,
             .joints = {.hand_on_jaw = scenario.assistant.hand_on_jaw,
                        .hand_on_head = scenario.assistant.hand_on_head},
+            .relaxation = scenario.physics.relaxation,
             .self_contact = scenario.physics.self_contact,
             .sleep = scenario.physics.sleep,
             .saliva = scenario.saliva,

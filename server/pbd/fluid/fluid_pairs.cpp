@@ -29,10 +29,6 @@ constexpr float far_away = 1e6f;  // [m], position of padding
     return (four[0] + four[1]) + (four[2] + four[3]);
 }
 
-[[gnu::always_inline]] inline void store(const Lanes& from, float* to) {
-    std::memcpy(to, &from, sizeof from);
-}
-
 }  // namespace
 
 /// The particles in the 27 cells around a cell, as candidates for the particles in it, and the neighbours

@@ -66,6 +66,8 @@ class Hexahedra {
     [[nodiscard]] std::span<const Block> blocks(std::size_t colour) const {
         return {block_.data() + first_block_[colour], block_.data() + first_block_[colour + 1]};
     }
+    /// All of them, by colour.
+    [[nodiscard]] std::span<const Block> blocks() const { return block_; }
 
   private:
     void set_rest_of(std::size_t cell, const Particles& particles);

@@ -185,6 +185,29 @@ struct HexahedronModes {
     }
 }
 
+/// Mean over the cell of the local edges' Gram matrix: the shear energy is mu V/2 times its product with M.
+[[gnu::always_inline]] inline void mean_gram_of(const HexahedronModes& x, Lanes (&out)[6]) {
+    constexpr float bend = 4.0f / 3.0f;
+    constexpr float twist = 4.0f / 9.0f;
+    const Lanes(&q)[4][3] = x.hourglass;
+    gram_of(x.edge, out);
+    Lanes square[4] = {};
+    Lanes mixed[3] = {};
+    for (int a = 0; a < 4; ++a) {
+        add_dot(q[a], q[a], square[a]);
+    }
+    add_dot(q[0], q[1], mixed[0]);
+    add_dot(q[0], q[2], mixed[1]);
+    add_dot(q[1], q[2], mixed[2]);
+    const Lanes every = twist * square[3];
+    out[0] += bend * (square[0] + square[1]) + every;
+    out[1] += bend * (square[0] + square[2]) + every;
+    out[2] += bend * (square[1] + square[2]) + every;
+    for (int k = 0; k < 3; ++k) {
+        out[3 + k] += bend * mixed[k];
+    }
+}
+
 /// The volume over det Q, [e1 e2 e3] + 4/3 ([q13 q23 e3] + [q12 e2 q23] + [e1 q12 q13]), and its gradient
 /// without the last hourglass mode, which does not change it: `slope` [edges | first three modes].
 /// `cofactor`: e2 x e3, e3 x e1, e1 x e2.
@@ -242,14 +265,16 @@ struct HexahedronModes {
 
 /// Linearises these cells at the positions `wide`, and adds their forces and diagonal blocks to `sums`.
 /// `ratio`: mu / lambda; `hardening`: relative growth of the hourglass stiffness with the mean square strain
-/// of hourglass modes.
-[[gnu::always_inline]] inline void linearise_hexahedra(const Hexahedra::Block* blocks,
+/// of hourglass modes; `step`, `memory` and the result as of linearise_blocks().
+[[gnu::always_inline]] inline bool linearise_hexahedra(const Hexahedra::Block* blocks,
                                                        ImplicitMesh::HexahedronElement* elements,
                                                        std::size_t count, const float* wide,
-                                                       const ImplicitSums& sums, float ratio,
-                                                       float hardening) {
+                                                       const ImplicitSums& sums, float ratio, float hardening,
+                                                       const RelaxationStep& step = {},
+                                                       RelaxedMetric* memory = nullptr) {
     constexpr float kappa = volume_gradient_stiffness;
     const Lanes none{};
+    Lanes left = none;
     for (std::size_t n = 0; n < count; ++n) {
         const Hexahedra::Block& block = blocks[n];
         ImplicitMesh::HexahedronElement& out = elements[n];
@@ -268,6 +293,11 @@ struct HexahedronModes {
         load(block.inverse_determinant, scale);
         load(block.stiffness, shear);
         store(smallest_corner * scale, out.smallest_corner);
+        if (memory != nullptr) {
+            Lanes gram[6];
+            mean_gram_of(x, gram);
+            relax(gram, scale, step, memory[n], m, left);
+        }
         Lanes cofactor[3][3];
         Lanes slope[6][3];
         Lanes strain;
@@ -373,6 +403,7 @@ struct HexahedronModes {
             scatter_add(sums.mixed, block.corner[v], mixed, none);
         }
     }
+    return any_positive(left);
 }
 
 /// Adds K times `from`, over these cells, to `to`. K lacks the derivatives of the hardening, of the pressure

@@ -8,8 +8,7 @@
 #include <numeric>
 
 #include "server/parallel/loops.hpp"
-#include "server/pbd/soft/hexahedron_kernels.hpp"
-#include "server/pbd/soft/tetrahedron_kernels.hpp"
+#include "server/pbd/soft/implicit_kernels.hpp"
 
 namespace eti::pbd {
 
@@ -18,55 +17,6 @@ namespace {
 // One per thread worth waking for a tongue of some ten thousand tetrahedra.
 constexpr std::size_t part_count = 4;
 constexpr std::uint32_t no_corner = ~0u;
-
-using Element = ImplicitMesh::Element;
-using HexahedronElement = ImplicitMesh::HexahedronElement;
-
-void linearise_baseline(const Tetrahedra::Block* blocks, Element* elements, std::size_t count,
-                        const float* wide, const ImplicitSums& sums, float ratio) {
-    linearise_blocks(blocks, elements, count, wide, sums, ratio);
-}
-void apply_baseline(const Tetrahedra::Block* blocks, const Element* elements, std::size_t count,
-                    const float* from, float* to) {
-    apply_blocks(blocks, elements, count, from, to);
-}
-void linearise_baseline(const Hexahedra::Block* blocks, HexahedronElement* elements, std::size_t count,
-                        const float* wide, const ImplicitSums& sums, float ratio, float hardening) {
-    linearise_hexahedra(blocks, elements, count, wide, sums, ratio, hardening);
-}
-void apply_baseline(const Hexahedra::Block* blocks, const HexahedronElement* elements, std::size_t count,
-                    const float* from, float* to) {
-    apply_hexahedra(blocks, elements, count, from, to);
-}
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void linearise_avx2(const Tetrahedra::Block* blocks, Element* elements,
-                                            std::size_t count, const float* wide, const ImplicitSums& sums,
-                                            float ratio) {
-    linearise_blocks(blocks, elements, count, wide, sums, ratio);
-}
-[[gnu::target("avx2")]] void apply_avx2(const Tetrahedra::Block* blocks, const Element* elements,
-                                        std::size_t count, const float* from, float* to) {
-    apply_blocks(blocks, elements, count, from, to);
-}
-[[gnu::target("avx2")]] void linearise_avx2(const Hexahedra::Block* blocks, HexahedronElement* elements,
-                                            std::size_t count, const float* wide, const ImplicitSums& sums,
-                                            float ratio, float hardening) {
-    linearise_hexahedra(blocks, elements, count, wide, sums, ratio, hardening);
-}
-[[gnu::target("avx2")]] void apply_avx2(const Hexahedra::Block* blocks, const HexahedronElement* elements,
-                                        std::size_t count, const float* from, float* to) {
-    apply_hexahedra(blocks, elements, count, from, to);
-}
-#else
-template <class... Arguments>
-void linearise_avx2(Arguments... arguments) {
-    linearise_baseline(arguments...);
-}
-template <class... Arguments>
-void apply_avx2(Arguments... arguments) {
-    apply_baseline(arguments...);
-}
-#endif
 
 float total(std::span<const float> moduli) {
     return std::accumulate(moduli.begin(), moduli.end(), 0.0f);
@@ -124,9 +74,23 @@ void ImplicitMesh::configure(const Description& description, const Particles& pa
         total(description.tetrahedra.youngs_modulus) + total(description.hexahedra.youngs_modulus);
 }
 
+void ImplicitMesh::relax(const Relaxation& relaxation) {
+    memory_.configure(relaxation, tetrahedra_, hexahedra_);
+}
+
+void ImplicitMesh::forget() {
+    memory_.reset(tetrahedra_, hexahedra_);
+}
+
+bool ImplicitMesh::is_relaxing() const {
+    return std::ranges::any_of(parts_, &Part::relaxing);
+}
+
 void ImplicitMesh::set_rest(const Particles& particles) {
+    memory_.begin_rest(tetrahedra_, hexahedra_);
     tetrahedra_.set_rest(particles);
     hexahedra_.set_rest(particles);
+    memory_.end_rest(tetrahedra_, hexahedra_);
     for (std::size_t k = 0; k < this->particles().size(); ++k) {
         rest_[k].head<3>() = particles.rest[this->particles()[k]];
     }
@@ -144,7 +108,7 @@ void ImplicitMesh::measure_own_stiffness() {
         return;
     }
     x_ = rest_;
-    linearise_elements();
+    linearise_elements({}, nullptr);  // at rest nothing has relaxed
     std::ranges::fill(own_stiffness_, 0.0f);
     for (const Part& part : parts_) {
         for (std::uint32_t k = part.first; k < part.end; ++k) {
@@ -191,11 +155,6 @@ void for_corners(const Block* blocks, const std::vector<std::array<std::uint32_t
     }
 }
 
-template <class Elements>
-auto first_block_of(const Elements& elements) {
-    return elements.size() == 0 ? nullptr : elements.blocks(0).data();
-}
-
 }  // namespace
 
 void ImplicitMesh::cut() {
@@ -219,8 +178,8 @@ void ImplicitMesh::cut() {
             part.first = std::min(part.first, corner);
             part.end = std::max(part.end, corner + 1);
         };
-        for_corners(first_block_of(tetrahedra_), part.tetrahedra, corners, widen);
-        for_corners(first_block_of(hexahedra_), part.hexahedra, corners, widen);
+        for_corners(tetrahedra_.blocks().data(), part.tetrahedra, corners, widen);
+        for_corners(hexahedra_.blocks().data(), part.hexahedra, corners, widen);
         std::size_t cells = 0;
         for (const auto& [from, to] : part.hexahedra) {
             cells += Hexahedra::lanes * (to - from);
@@ -275,7 +234,7 @@ void ImplicitMesh::linearise(const Particles& particles, float dt) {
     for (std::size_t k = 0; k < used.size(); ++k) {
         x_[k].head<3>() = particles.predicted[used[k]];
     }
-    linearise_elements();
+    linearise_elements(memory_.step(dt), &memory_);
     parallel::for_each(ranges_.size(), 1, [&](std::size_t r) {
         const Range& range = ranges_[r];
         for (std::size_t k = range.first; k < range.end; ++k) {
@@ -302,9 +261,11 @@ void ImplicitMesh::linearise(const Particles& particles, float dt) {
     });
 }
 
-void ImplicitMesh::linearise_elements() {
-    const auto* const tetrahedra = first_block_of(tetrahedra_);
-    const auto* const hexahedra = first_block_of(hexahedra_);
+void ImplicitMesh::linearise_elements(const RelaxationStep& step, RelaxationMemory* memory) {
+    const auto* const tetrahedra = tetrahedra_.blocks().data();
+    const auto* const hexahedra = hexahedra_.blocks().data();
+    RelaxedMetric* const of_tetrahedra = memory != nullptr ? memory->tetrahedra() : nullptr;
+    RelaxedMetric* const of_hexahedra = memory != nullptr ? memory->hexahedra() : nullptr;
     parallel::for_each(parts_.size(), 1, [&](std::size_t p) {
         Part& part = parts_[p];
         for (Wide* wide : {&part.gradient, &part.square, &part.mixed}) {
@@ -314,31 +275,26 @@ void ImplicitMesh::linearise_elements() {
         const ImplicitSums sums{part.gradient.front().data(), part.square.front().data(),
                                 part.mixed.front().data()};
         const float* const wide = x_.front().data();
+        const auto from_block = [](RelaxedMetric* all, std::uint32_t first) {
+            return all != nullptr ? all + first : nullptr;
+        };
+        part.relaxing = false;
         for (const auto& [from, to] : part.tetrahedra) {
-            Element* const elements = tetrahedron_element_.data() + from;
-            if (avx2_) {
-                linearise_avx2(tetrahedra + from, elements, to - from, wide, sums, tetrahedron_ratio_);
-            } else {
-                linearise_baseline(tetrahedra + from, elements, to - from, wide, sums, tetrahedron_ratio_);
-            }
+            part.relaxing |=
+                pbd::linearise(avx2_, tetrahedra + from, tetrahedron_element_.data() + from, to - from, wide,
+                               sums, tetrahedron_ratio_, step, from_block(of_tetrahedra, from));
         }
         for (const auto& [from, to] : part.hexahedra) {
-            HexahedronElement* const elements = hexahedron_element_.data() + from;
-            const float hardening = settings.hourglass_hardening;
-            if (avx2_) {
-                linearise_avx2(hexahedra + from, elements, to - from, wide, sums, hexahedron_ratio_,
-                               hardening);
-            } else {
-                linearise_baseline(hexahedra + from, elements, to - from, wide, sums, hexahedron_ratio_,
-                                   hardening);
-            }
+            part.relaxing |= pbd::linearise(
+                avx2_, hexahedra + from, hexahedron_element_.data() + from, to - from, wide, sums,
+                hexahedron_ratio_, settings.hourglass_hardening, step, from_block(of_hexahedra, from));
             add_crushed_corners(part, from, to);
         }
     });
 }
 
 void ImplicitMesh::add_crushed_corners(Part& part, std::uint32_t first, std::uint32_t end) const {
-    const auto* const blocks = first_block_of(hexahedra_);
+    const auto* const blocks = hexahedra_.blocks().data();
     const float bulk = 0.125f / hexahedron_ratio_;  // over the shear modulus, of one of eight corners
     for (std::uint32_t b = first; b < end; ++b) {
         const Hexahedra::Block& block = blocks[b];
@@ -579,25 +535,18 @@ void ImplicitMesh::turn(Range& range, float keep) {
 }
 
 float ImplicitMesh::apply() {
-    const auto* const tetrahedra = first_block_of(tetrahedra_);
-    const auto* const hexahedra = first_block_of(hexahedra_);
+    const auto* const tetrahedra = tetrahedra_.blocks().data();
+    const auto* const hexahedra = hexahedra_.blocks().data();
     parallel::for_each(parts_.size(), 1, [&](std::size_t p) {
         Part& part = parts_[p];
         std::fill(part.image.begin() + part.first, part.image.begin() + part.end, Eigen::Vector4f::Zero());
         const float* const along = along_.front().data();
         float* const image = part.image.front().data();
-        const auto apply_to = [&](const auto* blocks, const auto* elements, std::size_t count) {
-            if (avx2_) {
-                apply_avx2(blocks, elements, count, along, image);
-            } else {
-                apply_baseline(blocks, elements, count, along, image);
-            }
-        };
         for (const auto& [from, to] : part.tetrahedra) {
-            apply_to(tetrahedra + from, tetrahedron_element_.data() + from, to - from);
+            pbd::apply(avx2_, tetrahedra + from, tetrahedron_element_.data() + from, to - from, along, image);
         }
         for (const auto& [from, to] : part.hexahedra) {
-            apply_to(hexahedra + from, hexahedron_element_.data() + from, to - from);
+            pbd::apply(avx2_, hexahedra + from, hexahedron_element_.data() + from, to - from, along, image);
         }
         for (const CrushedCorner& crushed : part.crushed) {
             apply(crushed, along_, part.image);

@@ -11,6 +11,7 @@
 #include "server/pbd/contact/mesh_contact.hpp"
 #include "server/pbd/soft/coarse_level.hpp"
 #include "server/pbd/soft/hexahedra.hpp"
+#include "server/pbd/soft/relaxation.hpp"
 #include "server/pbd/soft/tetrahedra.hpp"
 #include "server/pbd/soft/yielding_bodies.hpp"
 
@@ -30,6 +31,7 @@ namespace eti::pbd {
 /// Neither changes the equilibrium, nor do too few iterations: starting from the last position, they cause
 /// errors in time but not at rest, unlike an inertial initial guess under a constant load. An unsupported
 /// body therefore falls slowly and bounces on contacts: the method is for supported, overdamped bodies.
+/// The shear stress relaxes if wanted; see relaxation.hpp.
 /// Gradients: Macklin & Müller 2021; energy: Smith, de Goes & Kim 2018.
 class ImplicitMesh {
   public:
@@ -75,6 +77,16 @@ class ImplicitMesh {
     void set_rest(const Particles& particles);
     /// Young's moduli [tetrahedra][Pa] and [hexahedra][Pa].
     void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra = {});
+
+    /// From now on the shear stress relaxes; call after configure(). Moduli are those of a sudden load.
+    void relax(const Relaxation& relaxation);
+    /// Forgets past deformations, at once or, while set, within a tenth of a second.
+    void forget();
+    void set_recovering(bool recovers) { memory_.set_recovering(recovers); }
+    /// Whether the last step's stresses had yet to settle: the mesh must then not fall asleep, because it
+    /// creeps too slowly to count as moving.
+    [[nodiscard]] bool is_relaxing() const;
+    [[nodiscard]] const RelaxationMemory& memory() const { return memory_; }
 
     /// Advances `particles.predicted` by a step of `dt` [s] and updates the contact forces. On entry it holds
     /// the positions before the step (for held particles: the target positions). No particle moves farther
@@ -142,6 +154,7 @@ class ImplicitMesh {
         Wide gradient, square, mixed, image;
         float curvature = 0.0f;  // along along_ [J]
         std::vector<CrushedCorner> crushed;
+        bool relaxing = false;  // in the last step
     };
     struct Inverse {
         Eigen::Vector4f column[3];
@@ -156,8 +169,8 @@ class ImplicitMesh {
 
     void cut();
     void measure_own_stiffness();
-    /// Linearises the parts' elements at x_.
-    void linearise_elements();
+    /// Linearises the parts' elements at x_, and advances their `memory` by a `step`, unless it is nullptr.
+    void linearise_elements(const RelaxationStep& step, RelaxationMemory* memory);
     /// Finds the crushed corners of these blocks of hexahedra and adds their forces.
     void add_crushed_corners(Part& part, std::uint32_t first, std::uint32_t end) const;
     /// Adds the first of these corners if it is crushed.
@@ -195,6 +208,7 @@ class ImplicitMesh {
 
     Tetrahedra tetrahedra_;
     Hexahedra hexahedra_;
+    RelaxationMemory memory_;
     std::vector<Part> parts_;
     std::vector<Range> ranges_;
     std::vector<Element> tetrahedron_element_;                  // [blocks of tetrahedra]

@@ -263,7 +263,7 @@ void Sleep::end_step(Particles& particles) {
             continue;
         }
         group_age_[g] = static_cast<std::uint8_t>(std::min(group_age_[g] + 1, settings_.steps));
-        if (group_age_[g] == settings_.steps && is_still(g)) {
+        if (group_age_[g] == settings_.steps && is_still(g) && !(mesh_creeps_ && g == mesh())) {
             put_to_sleep(particles, g);
         }
     }

@@ -62,6 +62,8 @@ class Sleep {
             }
         }
     }
+    /// While true, the mesh does not fall asleep, although it is still: it creeps.
+    void keep_mesh_awake(bool awake) { mesh_creeps_ = awake; }
     /// Whether a particle has moved farther than `still` in the last `steps` steps.
     [[nodiscard]] bool is_moving(std::uint32_t particle) const {
         return enabled() && age_[particle] < settings_.steps;
@@ -116,7 +118,7 @@ class Sleep {
     std::vector<std::uint32_t> watched_;               // slots of sleeping groups with awake particles
     std::size_t groups_ = 0, sleeping_ = 0;            // groups that move particles, and how many of them
                                                        // sleep
-    bool changed_ = false, restart_ = true;
+    bool changed_ = false, restart_ = true, mesh_creeps_ = false;
 };
 
 }  // namespace eti::pbd

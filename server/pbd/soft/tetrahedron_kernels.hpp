@@ -5,6 +5,7 @@
 #include "server/pbd/lanes.hpp"
 #include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/neo_hookean.hpp"
+#include "server/pbd/soft/relaxation_kernels.hpp"
 
 namespace eti::pbd {
 
@@ -16,10 +17,6 @@ struct ImplicitSums {
     float* square;    ///< [N/m], xx yy zz of lambda V H H^T
     float* mixed;     ///< [N/m], yz zx xy of the same
 };
-
-[[gnu::always_inline]] inline void store(const Lanes& from, float* to) {
-    std::memcpy(to, &from, sizeof from);
-}
 
 /// Upper bound of the largest eigenvalue of C = F^T F: (I1 + 2 sqrt(I1^2 - 3 I2)) / 3, with F^T F similar to
 /// D^T D Q Q^T. Exact where two eigenvalues are equal.
@@ -66,11 +63,16 @@ struct ImplicitSums {
     stiffened = shear * (stiffened > 1.0f ? stiffened : none + 1.0f);
 }
 
-[[gnu::always_inline]] inline void linearise_blocks(const Tetrahedra::Block* blocks,
+/// Linearises these elements at the positions `wide`, and adds their forces and diagonal blocks to `sums`.
+/// `ratio`: mu / lambda. Advances their `memory` by a `step`, unless it is nullptr, and returns whether any
+/// has yet to settle.
+[[gnu::always_inline]] inline bool linearise_blocks(const Tetrahedra::Block* blocks,
                                                     ImplicitMesh::Element* elements, std::size_t count,
-                                                    const float* wide, const ImplicitSums& sums,
-                                                    float ratio) {
+                                                    const float* wide, const ImplicitSums& sums, float ratio,
+                                                    const RelaxationStep& step = {},
+                                                    RelaxedMetric* memory = nullptr) {
     const Lanes none{};
+    Lanes left = none;
     for (std::size_t n = 0; n < count; ++n) {
         const Tetrahedra::Block& b = blocks[n];
         ImplicitMesh::Element& e = elements[n];
@@ -86,8 +88,6 @@ struct ImplicitSums {
         load(b.inverse_determinant, rest.inverse_determinant);
         Lanes shear;
         load(b.stiffness, shear);
-        NeoHookean<Lanes> c;
-        neo_hookean(x, rest, c);
         Lanes edge[3][3];
         for (int v = 0; v < 3; ++v) {
             for (int i = 0; i < 3; ++i) {
@@ -95,6 +95,13 @@ struct ImplicitSums {
                 store(edge[v][i], e.edge[v][i]);
             }
         }
+        if (memory != nullptr) {
+            Lanes gram[6];
+            gram_of(edge, gram);
+            relax(gram, rest.inverse_determinant, step, memory[n], rest.metric, left);
+        }
+        NeoHookean<Lanes> c;
+        neo_hookean(x, rest, c);
         const Lanes strain = (c.determinant - 1.0f - ratio) / ratio;
         Lanes stretch;
         largest_stretch_squared(edge, rest.metric, c.trace, stretch);
@@ -124,6 +131,7 @@ struct ImplicitSums {
             scatter_add(sums.mixed, b.corner[v], mixed, none);
         }
     }
+    return any_positive(left);
 }
 
 [[gnu::always_inline]] inline void add_cross(const Lanes (&a)[3], const Lanes (&b)[3], Lanes (&out)[3]) {

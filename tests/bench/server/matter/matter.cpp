@@ -28,6 +28,8 @@ namespace {
 
 constexpr int still_steps = 270;  // after the path, with the blade still
 constexpr int held_steps = 90;    // the last of these, which count
+constexpr int hold_steps = 720;   // in which a held blade's force is said to fall
+constexpr int hold_mean = 18;     // of a force at either end of these
 constexpr int rest_steps = 540;   // after the blade has gone
 constexpr int lever_steps = 180;  // in which a held blade is pitched by lever_angle
 constexpr float lever_angle = 45.0f * degree;
@@ -40,6 +42,7 @@ struct Lift {
     double epiglottis_force = 0.0;
     double greatest_blade = 0.0, greatest_gum = 0.0, greatest_tongue = 0.0, greatest_epiglottis = 0.0;  // [N]
     double lever_gum = 0.0;    // [N], greatest while the held blade is pitched about the upper gum
+    double relaxation = 0.0;   // blade's force after hold_steps over that when it came to be held
     double view = 0.0;         // [%], mean while held
     double speed = 0.0;        // [m/s], rms of tongue and epiglottis while held
     double penetration = 0.0;  // [m], of a particle's centre into the blade
@@ -71,6 +74,16 @@ double penetration_of(const Laryngoscope& scope, const RigidTransform& pose, con
     return deepest;
 }
 
+/// The first step from which on the blade stays where it is at the end.
+std::size_t held_from(const LiftPath& path) {
+    constexpr float still = 0.1e-3f;  // [m], a hand's tremor
+    std::size_t k = path.size() - 1;
+    while (k > 0 && (path[k - 1].translation - path.back().translation).norm() <= still) {
+        --k;
+    }
+    return k;
+}
+
 Lift replay(const Scenario& scenario, const patient::Patient& patient, const LiftPath& lift,
             std::ostream* trace) {
     scene::Inputs inputs = app::parked_inputs(scenario, patient);
@@ -95,7 +108,13 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
     double squared = 0.0;
     std::vector<Vec3f> last;
     LiftPath path = lift;
+    const std::size_t held = held_from(path);
     path.insert(path.end(), still_steps, path.back());
+    const std::size_t judged = path.size();
+    const std::size_t hold_end = held + hold_steps + hold_mean / 2;
+    path.resize(std::max(judged, hold_end), path.back());
+    double first_force = 0.0;  // sums over hold_mean steps
+    double last_force = 0.0;
     for (std::size_t k = 1; k < path.size(); ++k) {
         inputs.laryngoscope = path[k];
         const double before = processor_ms();
@@ -124,7 +143,9 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
                           1e3f * bones.segment<3>(4).norm())
                    << std::flush;
         }
-        if (k + held_steps >= path.size()) {
+        first_force += k >= held && k < held + hold_mean ? blade : 0.0;
+        last_force += k + hold_mean >= hold_end && k < hold_end ? blade : 0.0;
+        if (k + held_steps >= judged && k < judged) {
             out.blade_force += blade / held_steps;
             out.tongue_force += forces.tongue / held_steps;
             out.epiglottis_force += forces.epiglottis / held_steps;
@@ -134,18 +155,22 @@ Lift replay(const Scenario& scenario, const patient::Patient& patient, const Lif
             }
         }
         last = p.position;
+        if (k + 1 == judged) {
+            out.volume = volume_of(tongue, rest, p.position);
+            if (scene.skeleton() != nullptr) {
+                out.bones = scene.skeleton()->offset();
+            }
+        }
     }
+    out.relaxation = last_force / first_force;
     out.speed = std::sqrt(squared / held_steps / static_cast<double>(watched.size())) * steps_per_second;
-    out.volume = volume_of(tongue, rest, p.position);
-    if (scene.skeleton() != nullptr) {
-        out.bones = scene.skeleton()->offset();
-    }
     // As a novice who levers: the tip up, with the upper gum as the fulcrum.
     const Vec3f fulcrum = at(scene.snapshot().landmarks, Landmark::upper_gum);
-    const RigidTransform held = path.back();
+    const RigidTransform lifted = path.back();
     for (int k = 1; k <= lever_steps; ++k) {
         const float angle = -lever_angle * static_cast<float>(k) / lever_steps;
-        inputs.laryngoscope = RigidTransform::about(fulcrum, held.rotation * Vec3f::UnitX(), angle) * held;
+        inputs.laryngoscope =
+            RigidTransform::about(fulcrum, lifted.rotation * Vec3f::UnitX(), angle) * lifted;
         scene.step(inputs);
         out.lever_gum = std::max(out.lever_gum, metrics::tissue_forces(scene.snapshot()).gum);
     }
@@ -177,6 +202,7 @@ Scenario scenario_of(const MatterOptions& options, const std::string& name) {
         scenario.physics.spacing = static_cast<float>(1e-3 * options.spacing);
     }
     scenario.physics.bones_yield = scenario.physics.bones_yield && !options.fixed_bones;
+    scenario.physics.relaxation = scenario.physics.relaxation || options.relax;
     return scenario;
 }
 
@@ -196,6 +222,7 @@ nlohmann::ordered_json row_of(const std::string& scenario, const std::string& me
             {"gum_force_lever_n", lift.lever_gum},
             {"tongue_force_n", lift.greatest_tongue},
             {"epiglottis_force_n", lift.greatest_epiglottis},
+            {"hold_relaxation_share", lift.relaxation},
             {"view_percent", lift.view},
             {"tremble_mm_per_s", 1e3 * lift.speed},
             {"penetration_mm", 1e3 * lift.penetration},

@@ -215,6 +215,18 @@ TEST_F(SleepTest, LinkWakesItsOtherEnd) {
     EXPECT_GT(body.particles.mobility(far), 0.0f);
 }
 
+TEST_F(SleepTest, CreepingMeshStaysAwake) {
+    SoftBody body = test::cluster_block(n, 8e3f, Vec3f::Zero(), 2);
+    body.enable_sleeping(std::vector<bool>(body.particles.size(), true), sleep_settings);
+    body.sleep.keep_mesh_awake(true);
+    rest(body);
+    EXPECT_TRUE(body.sleep.mesh_awake());
+    EXPECT_EQ(body.sleep.awake_groups(), 1u);
+    body.sleep.keep_mesh_awake(false);
+    step(body);
+    EXPECT_FALSE(body.sleep.mesh_awake());
+}
+
 TEST_F(SleepTest, SelfContactWakesNearbyParticles) {
     SoftBody body = sleeping_cube();
     constexpr std::uint32_t other = n * (n - 1);  // the corner along y
