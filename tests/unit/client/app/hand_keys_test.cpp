@@ -22,7 +22,10 @@ std::string said(const std::vector<client::KeyEvent>& events) {
                            !event.down      ? '-'
                            : event.repeated ? '='
                                             : '+',
-                           key != nullptr ? fmt::format("{}{:+.0f}", key->command, key->step) : "nothing");
+                           key != nullptr
+                               ? fmt::format("{}{:+.0f}", key->command,
+                                             key->action == client::KeyAction::step ? key->amount : 0.0f)
+                               : "nothing");
     }
     return out;
 }
