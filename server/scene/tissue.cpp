@@ -77,20 +77,23 @@ bool lies_within(const std::vector<std::array<std::uint32_t, 4>>& solid, const s
     });
 }
 
-/// The plate's strips as clusters that each reach over their neighbours: a strip alone holds to nothing.
+/// Extends strips of the epiglottis over their neighbours: a strip alone, a row of particles, holds neither
+/// to the plate nor its own rotation.
 void join_strips_of_epiglottis(const patient::Patient& patient, std::span<const std::uint32_t> wanted,
                                pbd::ShapeMatching::Description& shapes) {
-    const auto is_strip = [&](std::size_t k) {
-        return k < wanted.size() && patient.clusters.tissue[wanted[k]] == Tissue::epiglottis;
-    };
+    const patient::ClusterSet& clusters = patient.clusters;
     const pbd::ShapeMatching::Description alone = shapes;
     shapes.first.assign(1, 0);
     shapes.member.clear();
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-        for (std::size_t n = k == 0 ? 0 : k - 1; n <= k + 1; ++n) {
-            if (n == k || (is_strip(k) && is_strip(n))) {
-                shapes.member.insert(shapes.member.end(), alone.member.begin() + alone.first[n],
-                                     alone.member.begin() + alone.first[n + 1]);
+        shapes.member.insert(shapes.member.end(), alone.member.begin() + alone.first[k],
+                             alone.member.begin() + alone.first[k + 1]);
+        const std::uint32_t c = wanted[k];
+        for (const std::uint32_t n : {c - 1, c + 1}) {  // wraps below the first
+            if (n < clusters.size() && clusters.tissue[c] == Tissue::epiglottis &&
+                clusters.tissue[n] == Tissue::epiglottis) {
+                const auto members = clusters.members(n);
+                shapes.member.insert(shapes.member.end(), members.begin(), members.end());
             }
         }
         shapes.first.push_back(static_cast<std::uint32_t>(shapes.member.size()));
@@ -144,9 +147,7 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
         (needed ? held_clusters_ : fitted_clusters_).push_back(c);
     }
     pbd::ShapeMatching::Description held = description(held_clusters_, substep);
-    if (method == TissueMethod::clusters) {
-        join_strips_of_epiglottis(patient, held_clusters_, held);
-    }
+    join_strips_of_epiglottis(patient, held_clusters_, held);
     const std::vector<float> own = p.inverse_mass;
     for (std::size_t i = 0; i < p.size(); ++i) {
         p.inverse_mass[i] = meshed[i] ? 0.0f : own[i];  // clusters do not move the mesh's particles

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t steps_per_pose = 6;  // 30 poses a second
 constexpr double longest_lift = 15.0;      // [s] by which the expert has seen the glottis
 constexpr double view_settled = 1.5;       // [s] without a better view, after which none is expected
-constexpr int steps_at_rest = 270;            // with the blade at rest, until tissue has come to rest
+constexpr int steps_at_rest = 270;         // with the blade at rest, until tissue has come to rest
 
 }  // namespace
 

@@ -266,8 +266,7 @@ class SceneSkeletonTest : public ::testing::Test {
         away_.runtime_parameters.jaw_opening = 15.0f * degree;
     }
     [[nodiscard]] Scene make(bool yields = true) const {
-        return {test::coarse_newborn(), scope_, Tube{}, away_,
-                Settings{.rigid = {}, .bones_yield = yields}};
+        return {test::coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}, .bones_yield = yields}};
     }
     /// The blade in the mouth, its tip over the tongue's highest point and `depth` [m] lower.
     [[nodiscard]] Inputs pressing(float depth) const {

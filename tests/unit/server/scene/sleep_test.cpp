@@ -24,11 +24,9 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
     }
 
     [[nodiscard]] Scene make(bool sleeps = true, bool bones_yield = true) const {
-        return {test::coarse_newborn(), scope_, Tube{}, away_,
-                Settings{.tissue_method = GetParam(),
-                         .rigid = {},
-                         .bones_yield = bones_yield,
-                         .sleep = sleeps}};
+        return {
+            test::coarse_newborn(), scope_, Tube{}, away_,
+            Settings{.tissue_method = GetParam(), .rigid = {}, .bones_yield = bones_yield, .sleep = sleeps}};
     }
 
     [[nodiscard]] static const pbd::Sleep& sleep_of(const Scene& scene) {
