@@ -363,6 +363,27 @@ TEST_F(SceneSkeletonTest, ResetUnderPressureHasTheSameBits) {
     EXPECT_EQ(hash(false), hash(true));
 }
 
+// Head and jaw moved as fast as a scene moves them, against a patient built in that posture.
+TEST_F(SceneSkeletonTest, MovedPostureEndsWhereItWouldBeBuilt) {
+    const auto posed = [&](float elevation, float opening) {
+        Inputs inputs = away_;
+        inputs.runtime_parameters.head_elevation = elevation;
+        inputs.runtime_parameters.jaw_opening = opening;
+        return inputs;
+    };
+    const Inputs to = posed(max_head_elevation, max_jaw_opening);
+    Scene moved(test::coarse_newborn(), scope_, Tube{}, posed(0.0f, 0.0f), {});
+    for (int k = 0; k < 6 * steps_per_second; ++k) {
+        moved.step(to);
+    }
+    const Scene built(test::coarse_newborn(), scope_, Tube{}, to, {});
+    const std::vector<Vec3f>& position = moved.tissue().body().particles.position;
+    const std::vector<Vec3f>& expected = built.tissue().body().particles.position;
+    for (std::size_t i = 0; i < position.size(); ++i) {
+        ASSERT_LT((position[i] - expected[i]).norm(), 20e-6f) << "particle " << i;
+    }
+}
+
 TEST_F(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
     Scene scene = make();
     press(scene, 14e-3f);
