@@ -61,7 +61,7 @@ def expert_with_the_tube_too_far():
     for stage in (*script["laryngoscope"], *script["tube"]):
         if "tube_depth_mm" in stage.get("until", {}):
             del stage["until"]  # which limits the duration of the advance
-            stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 8})
+            stage.update({"advance_mm": 110} if stage["stage"] == "through the cords" else {"hold_s": 11})
     file = FOLDER / "too_far_operator.yaml"
     file.write_text(yaml.safe_dump(script, sort_keys=False), encoding="utf-8")
     return file
