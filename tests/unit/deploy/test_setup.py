@@ -156,7 +156,7 @@ echo 'Get:1 http://mirror b 1.0'
 for step in Unpacking 'Setting up'; do for package in a b; do echo "$step $package (1.0) ..."; done; done""")
         done = self.run_setup()
         self.assertIn("Need to get 5,000 kB", done.stderr)
-        self.assertIn("Installing: 6 of 6, 0 s so far", done.stderr)
+        self.assertRegex(done.stderr, r"Installing: 6 of 6, \d+ s so far")
         self.assertNotIn("Unpacking a", done.stderr)
         self.assertIn("Unpacking a", (self.root / "build/logs/apt-install.log").read_text())
 
