@@ -341,12 +341,14 @@ void Scene::solve_tongue(const Substep& now) {
     const float until =
         static_cast<float>(now.index + now.per_solve) / static_cast<float>(settings_.substeps);
     const float dt = now.dt * covered;
+    Tongue& tongue = tissue_.tongue();
+    const TongueContacts::MovingBlade blade{blade_.scope(), blade_.pose_at(now.begin), blade_.pose_at(until)};
+    tongue.find_contacts(tissue_.body(), blade, shell_.walls(), dt,
+                         covered / static_cast<float>(settings_.substeps - now.index));
     if (bones_) {
-        bones_->begin_solve(tissue_, dt);
+        bones_->begin_solve(tissue_, shell_.walls(), dt);
     }
-    tissue_.tongue().solve(tissue_.body(), {blade_.scope(), blade_.pose_at(now.begin), blade_.pose_at(until)},
-                           shell_.walls(), dt, covered / static_cast<float>(settings_.substeps - now.index),
-                           blade_);
+    tongue.solve(tissue_.body(), blade.to, blade_);
     if (bones_) {
         bones_->end_solve(tissue_, dt);
     }

@@ -115,8 +115,8 @@ void Tongue::gather_springs(const pbd::Particles& particles) {
     }
 }
 
-void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const Walls& walls,
-                   float dt, float fraction, BladeContact& blade_contact) {
+void Tongue::find_contacts(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const Walls& walls,
+                           float dt, float fraction) {
     pbd::Particles& p = body.particles;
     dt_ = dt;
     const auto used = mesh_.particles();
@@ -138,7 +138,12 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
                                self_contacts_.find(p, mesh_.self_contacts);
                            }
                        });
-    mesh_.solve_linearised(p, dt);
+}
+
+void Tongue::solve(pbd::SoftBody& body, const RigidTransform& blade, BladeContact& blade_contact) {
+    pbd::Particles& p = body.particles;
+    mesh_.solve_linearised(p, dt_);
+    const auto used = mesh_.particles();
     body.sleep.keep_mesh_awake(mesh_.is_relaxing());
     for (std::size_t k = 0; k < used.size(); ++k) {
         to_[k] = p.predicted[used[k]];
@@ -149,7 +154,7 @@ void Tongue::solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade
         if (contacts_.is_with_blade(n) && !c.force.isZero(0.0f)) {
             for (std::size_t e = 0; e < c.corners; ++e) {
                 blade_contact.add_impulse(c.particle[e], p.predicted[c.particle[e]],
-                                          c.share[e] * dt * c.force, blade.to);
+                                          c.share[e] * dt_ * c.force, blade);
             }
         }
     }

@@ -57,11 +57,11 @@ class Tongue {
             }
         }
     }
-    /// Calls body(contact) for contacts of the last solve with the shell.
+    /// Calls body(contact) for the contacts with the shell that find_contacts() has found.
     template <class Body>
-    void for_wall_contacts(const Body& body) const {
+    void for_wall_contacts(const Body& body) {
         for (std::size_t n = 0; n < mesh_.contacts.size(); ++n) {
-            if (!contacts_.is_with_blade(n) && !mesh_.contacts[n].force.isZero(0.0f)) {
+            if (!contacts_.is_with_blade(n)) {
                 body(mesh_.contacts[n]);
             }
         }
@@ -84,11 +84,13 @@ class Tongue {
     /// must then be awake.
     [[nodiscard]] bool update_tools_away(bool away);
 
-    /// Solves for a part of a step of `dt` [s], in which `blade` moves from one pose to the other. Particles
-    /// bound to bone move by `fraction` of the remaining distance to their rest position. Impulses of the
-    /// blade are added to `blade_contact`.
-    void solve(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const Walls& walls, float dt,
-               float fraction, BladeContact& blade_contact);
+    /// Begins to solve for a part of a step of `dt` [s], in which `blade` moves from one pose to the other:
+    /// finds contacts. Particles bound to bone move by `fraction` of the remaining distance to their rest
+    /// position.
+    void find_contacts(pbd::SoftBody& body, const TongueContacts::MovingBlade& blade, const Walls& walls,
+                       float dt, float fraction);
+    /// Solves for that part. Impulses of the blade, then at this pose, are added to `blade_contact`.
+    void solve(pbd::SoftBody& body, const RigidTransform& blade, BladeContact& blade_contact);
     /// Places the mesh's particles where they are at this fraction of the part.
     void place(pbd::Particles& particles, float share) const;
     /// Records the displacements that the substep ending at this fraction of the part applied to the mesh's

@@ -25,6 +25,9 @@ struct MeshContact {
                                                            ///< within the mesh
     std::uint8_t corners = 1;
     bool within_mesh = false;
+    /// Its obstacle among YieldingBodies::obstacles, if that is carried by a body that yields.
+    std::int32_t obstacle = fixed;
+    static constexpr std::int32_t fixed = -1;
     float damping = 0.0f;           ///< of its displacement, in `stiffness`; changes no equilibrium
     Vec3f normal = Vec3f::UnitY();  ///< unit, out of the obstacle
     float gap = 0.0f;               ///< [m], at the predicted position; negative inside
@@ -57,7 +60,8 @@ struct MeshContact {
         return displacement - displacement.dot(normal) * normal;
     }
 
-    /// Updates force and slip for a displacement [m] from the predicted position. The normal force never
+    /// Updates force and slip for a displacement [m] from the predicted position, relative to that of the
+    /// obstacle. The normal force never
     /// pulls; the tangential force stays within Coulomb's bound. A sliding point has no slip.
     void update(const Vec3f& displacement) {
         const float pressing =

@@ -22,6 +22,17 @@ float total(std::span<const float> moduli) {
     return std::accumulate(moduli.begin(), moduli.end(), 0.0f);
 }
 
+/// Adds a contact's matrix of `stiffness` [N/m] to a symmetric block: xx yy zz, and yz zx xy.
+void add_block(const MeshContact& c, float stiffness, Eigen::Vector4f& square, Eigen::Vector4f& mixed) {
+    if (c.held == MeshContact::Held::point) {
+        square.head<3>().array() += stiffness;
+    } else {
+        const Vec3f& n = c.normal;
+        square.head<3>() += stiffness * n.cwiseProduct(n);
+        mixed.head<3>() += stiffness * Vec3f(n.y() * n.z(), n.z() * n.x(), n.x() * n.y());
+    }
+}
+
 float sum_of_four(const Float4& f) {
     return f[0] + f[1] + f[2];
 }
@@ -203,6 +214,7 @@ void ImplicitMesh::solve_linearised(Particles& particles, float dt) {
     if (size() == 0) {
         return;
     }
+    bodies_residual_ = bodies.force;
     add_springs(particles);
     add_contacts();
     conjugate_gradients();
@@ -220,8 +232,8 @@ void ImplicitMesh::solve_linearised(Particles& particles, float dt) {
             particles.predicted[used[k]] += share * step_[k].head<3>();
         }
     }
+    for_contacts([&](MeshContact& c) { c.update(share * displacement_of(c, step_, bodies.step)); });
     bodies.step *= share;
-    for_contacts([&](MeshContact& c) { c.update(share * displacement_of(c, step_)); });
 }
 
 void ImplicitMesh::linearise(const Particles& particles, float dt) {
@@ -325,16 +337,21 @@ void ImplicitMesh::add_contact(MeshContact& c) {
     const Vec3f force = c.load();
     const float holding = c.holding_stiffness();
     coarse_.add_spring({ends.data(), c.corners}, c.shares(), sticks ? holding : holding / 3.0f);
+    add_force(c, force, 1.0f);
     for (std::size_t e = 0; e < c.corners; ++e) {
-        const float k = holding * c.share[e] * c.share[e];
-        residual_[ends[e]].head<3>() += c.share[e] * force;
-        if (sticks) {
-            square_[ends[e]].head<3>().array() += k;
-        } else {
-            const Vec3f& n = c.normal;
-            square_[ends[e]].head<3>() += k * n.cwiseProduct(n);
-            mixed_[ends[e]].head<3>() += k * Vec3f(n.y() * n.z(), n.z() * n.x(), n.x() * n.y());
-        }
+        add_block(c, holding * c.share[e] * c.share[e], square_[ends[e]], mixed_[ends[e]]);
+    }
+}
+
+void ImplicitMesh::add_force(const MeshContact& c, const Vec3f& force, float factor) {
+    for (std::size_t e = 0; e < c.corners; ++e) {
+        residual_[corner_of_[c.particle[e]]].head<3>() += factor * c.share[e] * force;
+    }
+    if (c.obstacle != MeshContact::fixed) {
+        Eigen::Vector4f on_obstacle = Eigen::Vector4f::Zero();
+        on_obstacle.head<3>() = -factor * force;
+        YieldingBodies::add_transposed(bodies.obstacles[static_cast<std::size_t>(c.obstacle)], on_obstacle,
+                                       bodies_residual_);
     }
 }
 
@@ -408,13 +425,21 @@ void ImplicitMesh::factorise_bodies() {
     if (!bodies.yield()) {
         return;
     }
-    bodies_residual_ = bodies.force;
     // Blocks of single corners suffice for a preconditioner: neighbours that are held, too, only make it
     // too stiff.
     YieldingBodies::Matrix matrix = bodies.matrix;
     for (std::size_t h = 0; h < held_.size(); ++h) {
         YieldingBodies::add_projected(bodies.jacobian[h], square_[held_[h]], mixed_[held_[h]], matrix);
     }
+    for_contacts([&](const MeshContact& c) {
+        if (c.obstacle != MeshContact::fixed && c.held != MeshContact::Held::nothing) {
+            Eigen::Vector4f square = Eigen::Vector4f::Zero();
+            Eigen::Vector4f mixed = Eigen::Vector4f::Zero();
+            add_block(c, c.holding_stiffness(), square, mixed);
+            YieldingBodies::add_projected(bodies.obstacles[static_cast<std::size_t>(c.obstacle)], square,
+                                          mixed, matrix);
+        }
+    });
     bodies_factor_.compute(matrix);
 }
 
@@ -508,10 +533,18 @@ float ImplicitMesh::apply() {
     return curvature;
 }
 
-Vec3f ImplicitMesh::displacement_of(const MeshContact& contact, const Wide& corners) const {
+Vec3f ImplicitMesh::displacement_of(const MeshContact& contact, const Wide& corners,
+                                    const YieldingBodies::Vector& of_bodies) const {
     Eigen::Vector4f displacement = contact.share[0] * corners[corner_of_[contact.particle[0]]];
     for (std::size_t e = 1; e < contact.corners; ++e) {
         displacement += contact.share[e] * corners[corner_of_[contact.particle[e]]];
+    }
+    if (contact.obstacle != MeshContact::fixed) {
+        Eigen::Vector4f of_obstacle;
+        put(YieldingBodies::displacement(bodies.obstacles[static_cast<std::size_t>(contact.obstacle)],
+                                         of_bodies),
+            of_obstacle);
+        displacement -= of_obstacle;
     }
     return displacement.head<3>();
 }
@@ -520,7 +553,7 @@ Vec3f ImplicitMesh::held_displacement(const MeshContact& contact) const {
     if (contact.held == MeshContact::Held::nothing) {
         return Vec3f::Zero();
     }
-    const Vec3f displacement = displacement_of(contact, along_);
+    const Vec3f displacement = displacement_of(contact, along_, bodies_along_);
     return contact.held == MeshContact::Held::normal
                ? Vec3f(displacement.dot(contact.normal) * contact.normal)
                : displacement;
@@ -542,10 +575,7 @@ void ImplicitMesh::advance(const Range& range, float step_length) {
 
 void ImplicitMesh::advance_contacts(float step_length) {
     for_contacts([&](const MeshContact& c) {
-        const Vec3f force = step_length * c.holding_stiffness() * held_displacement(c);
-        for (std::size_t e = 0; e < c.corners; ++e) {
-            residual_[corner_of_[c.particle[e]]].head<3>() -= c.share[e] * force;
-        }
+        add_force(c, held_displacement(c), -step_length * c.holding_stiffness());
     });
 }
 

@@ -203,8 +203,11 @@ class ImplicitMesh {
         std::ranges::for_each(contacts, body);
         std::ranges::for_each(self_contacts, body);
     }
-    /// Mean displacement of a contact's corners, by their shares.
-    [[nodiscard]] Vec3f displacement_of(const MeshContact& contact, const Wide& corners) const;
+    /// Mean displacement of a contact's corners, by their shares, relative to that of its obstacle.
+    [[nodiscard]] Vec3f displacement_of(const MeshContact& contact, const Wide& corners,
+                                        const YieldingBodies::Vector& of_bodies) const;
+    /// Adds a contact's force to the residual, times `factor`.
+    void add_force(const MeshContact& contact, const Vec3f& force, float factor);
 
     Tetrahedra tetrahedra_;
     Hexahedra hexahedra_;

@@ -15,8 +15,8 @@ namespace eti::pbd {
 /// They are unknowns of the mesh's own step,
 ///     [ K_ff    K_fh J              ] [dx]   [residual of the free corners]
 ///     [ J^T K_hf  J^T K_hh J + matrix ] [dq] = [J^T residual of the held corners + force]
-/// so that the coupling is stable for any ratio of stiffness and mass. Coordinates that are not used have a
-/// row and column of the identity.
+/// so that the coupling is stable for any ratio of stiffness and mass. So are the forces of the obstacles that
+/// they carry. Coordinates that are not used have a row and column of the identity.
 struct YieldingBodies {
     static constexpr std::size_t coordinates = 7;
     using Vector = Eigen::Matrix<float, coordinates, 1>;
@@ -30,7 +30,8 @@ struct YieldingBodies {
     Vector force = Vector::Zero();  ///< generalised force at the beginning of the step
     std::vector<Columns>
         jacobian;  ///< [held corners], in the order of ImplicitMesh::held(); empty: none yields
-    Vector step = Vector::Zero();  ///< result: increment of the coordinates
+    std::vector<Columns> obstacles;  ///< of the points at which the mesh touches what the bodies carry
+    Vector step = Vector::Zero();    ///< result: increment of the coordinates
     [[nodiscard]] bool yield() const { return !jacobian.empty(); }
 
     [[nodiscard]] static Float4 displacement(const Columns& columns, const Vector& of) {

@@ -113,12 +113,6 @@ void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_st
         skeleton_.add_spring(skeleton_.columns_at(at, carrier_of(spring.particle)),
                              spring.stiffness * (at - spring.to), spring.stiffness);
     });
-    const auto walls = shell.walls();
-    tissue.tongue().for_wall_contacts([&](const pbd::MeshContact& contact) {
-        const Vec3f& at = p.position[contact.particle[0]];
-        skeleton_.add_contact(skeleton_.columns_at(at, walls.motion->carrier_at(walls.in_grid(at))),
-                              -contact.force, contact.normal, contact.stiffness);
-    });
 }
 
 bool SkeletonCoupling::needs_step() const {
@@ -136,13 +130,24 @@ bool SkeletonCoupling::needs_step() const {
     return false;
 }
 
-void SkeletonCoupling::begin_solve(SoftTissue& tissue, float dt) {
+void SkeletonCoupling::begin_solve(SoftTissue& tissue, const Walls& walls, float dt) {
     pbd::YieldingBodies& bodies = tissue.tongue().bodies();
     skeleton_.write(bodies, dt);
     bodies.jacobian.resize(of_mesh_.size());
     for (std::size_t h = 0; h < of_mesh_.size(); ++h) {
         bodies.jacobian[h] = skeleton_.columns(tissue.unposed(of_mesh_[h].particle), of_mesh_[h].carrier);
     }
+    const YieldingSkeleton::Vector since = skeleton_.offset() - walls.motion->at();
+    bodies.obstacles.clear();
+    tissue.tongue().for_wall_contacts([&](pbd::MeshContact& contact) {
+        const Vec3f& at = tissue.body().particles.predicted[contact.particle[0]];
+        contact.obstacle = static_cast<std::int32_t>(bodies.obstacles.size());
+        bodies.obstacles.push_back(
+            skeleton_.columns_at(at, walls.motion->carrier_at(walls.in_grid(at))));
+        Eigen::Vector4f moved;
+        pbd::put(pbd::YieldingBodies::displacement(bodies.obstacles.back(), since), moved);
+        contact.gap -= contact.normal.dot(moved.head<3>());
+    });
     solved_load_ = skeleton_.load();
     tone_changed_ = false;
 }

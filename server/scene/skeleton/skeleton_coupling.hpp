@@ -14,9 +14,9 @@
 namespace eti::scene {
 
 /// Couples the yielding skeleton to tissue, shell and tools. The bones are unknowns of the implicit mesh's
-/// step. What presses on them otherwise enters it with the forces of the last step: the proxy on the shell,
-/// tissue outside the mesh, which passes on what it bears, and walls on which the mesh presses. Not thread
-/// safe.
+/// step, as are the forces of the walls on which the mesh presses. What presses on them otherwise enters it
+/// with the forces of the last step: the proxy on the shell, and tissue outside the mesh, which passes on
+/// what it bears. Not thread safe.
 class SkeletonCoupling {
   public:
     SkeletonCoupling(const patient::Patient& patient, const SoftTissue& tissue,
@@ -37,8 +37,8 @@ class SkeletonCoupling {
     /// Whether the bones move, or loads have changed since the last solve.
     [[nodiscard]] bool needs_step() const;
 
-    /// Encloses each solve of the mesh, of `dt` [s].
-    void begin_solve(SoftTissue& tissue, float dt);
+    /// Encloses each solve of the mesh, of `dt` [s], once its contacts are found.
+    void begin_solve(SoftTissue& tissue, const Walls& walls, float dt);
     void end_solve(SoftTissue& tissue, float dt);
 
     /// Whether the bones have moved by more than `distance` [m] anywhere since the `last` offsets; if so,

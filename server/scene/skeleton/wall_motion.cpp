@@ -18,7 +18,7 @@ constexpr float still = 1e-6f;            // [m]: a displacement below this coun
 
 WallMotion::WallMotion(std::span<const Vec3f> posed, std::span<const Carrier> carriers,
                        const YieldingSkeleton& skeleton)
-    : reference_(skeleton.offset()) {
+    : reference_(skeleton.offset()), at_(reference_) {
     for (std::size_t b = 0; b < patient::bone_count; ++b) {
         from_reference_[b] = skeleton.bones()[b].inverse();
     }
@@ -101,6 +101,7 @@ void WallMotion::update(const YieldingSkeleton& skeleton) {
         most = std::max(most, to.squaredNorm());
         displacement_[n] = to;
     }
+    at_ = skeleton.offset();
     travel_ += std::sqrt(farthest);
     moved_ = most > still * still;
 }
@@ -121,9 +122,9 @@ WallMotion::Place WallMotion::place_of(const Vec3f& point) const {
     return place;
 }
 
-Vec3f WallMotion::displacement(const Vec3f& point) const {
+template <class Body>
+void WallMotion::for_nodes_around(const Vec3f& point, const Body& body) const {
     const Place p = place_of(point);
-    Vec3f sum = Vec3f::Zero();
     for (std::size_t corner = 0; corner < 8; ++corner) {
         const std::size_t x = corner & 1;
         const std::size_t y = corner >> 1 & 1;
@@ -131,16 +132,25 @@ Vec3f WallMotion::displacement(const Vec3f& point) const {
         const float share = (x != 0 ? p.share.x() : 1.0f - p.share.x()) *
                             (y != 0 ? p.share.y() : 1.0f - p.share.y()) *
                             (z != 0 ? p.share.z() : 1.0f - p.share.z());
-        sum += share * displacement_[p.first + x + size_[0] * (y + size_[1] * z)];
+        body(p.first + x + size_[0] * (y + size_[1] * z), share);
     }
+}
+
+Vec3f WallMotion::displacement(const Vec3f& point) const {
+    Vec3f sum = Vec3f::Zero();
+    for_nodes_around(point, [&](std::size_t node, float share) { sum += share * displacement_[node]; });
     return sum;
 }
 
 Carrier WallMotion::carrier_at(const Vec3f& point) const {
-    const Place p = place_of(point);
-    const auto near = [](float share) { return share > 0.5f ? std::size_t{1} : std::size_t{0}; };
-    return carrier_[p.first + near(p.share.x()) +
-                    size_[0] * (near(p.share.y()) + size_[1] * near(p.share.z()))];
+    Carrier sum;
+    for_nodes_around(point, [&](std::size_t node, float share) {
+        for (std::size_t b = 0; b < patient::bone_count; ++b) {
+            sum.bones[b] += share * carrier_[node].bones[b];
+        }
+        sum.hyoid += share * carrier_[node].hyoid;
+    });
+    return sum;
 }
 
 }  // namespace eti::scene

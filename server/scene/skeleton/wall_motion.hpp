@@ -33,8 +33,10 @@ class WallMotion {
         // Two steps of a fixed-point iteration: strains of the field are below a fifth.
         return point - displacement(point - displacement(point));
     }
-    /// What carries the wall nearest to a point of the reference configuration.
+    /// What carries the wall near a point of the reference configuration.
     [[nodiscard]] YieldingSkeleton::Carrier carrier_at(const Vec3f& point) const;
+    /// Offset of the skeleton in which the walls are.
+    [[nodiscard]] const YieldingSkeleton::Vector& at() const { return at_; }
     /// [m], sum of the greatest displacements of all updates: no wall has moved farther between two values.
     [[nodiscard]] float travel() const { return travel_; }
 
@@ -45,6 +47,9 @@ class WallMotion {
         Vec3f share = Vec3f::Zero();
     };
     [[nodiscard]] Place place_of(const Vec3f& point) const;
+    /// Calls body(node, weight) for the lattice cell around a point.
+    template <class Body>
+    void for_nodes_around(const Vec3f& point, const Body& body) const;
     [[nodiscard]] Vec3f displacement(const Vec3f& point) const;
     [[nodiscard]] Vec3f position_of(std::size_t number) const;
 
@@ -54,6 +59,7 @@ class WallMotion {
     std::vector<Vec3f> displacement_;    // [lattice nodes][m]
     patient::BonePoses from_reference_;  // inverse poses of the bones in the reference configuration
     YieldingSkeleton::Vector reference_ = YieldingSkeleton::Vector::Zero();
+    YieldingSkeleton::Vector at_ = YieldingSkeleton::Vector::Zero();
     float travel_ = 0.0f;
     bool moved_ = false;
     std::vector<YieldingSkeleton::Carrier> carrier_;  // [lattice nodes]
