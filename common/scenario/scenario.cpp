@@ -202,24 +202,25 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             physics->refuse("fine_spacing_mm", fmt::format("{:.2f}", p.fine_spacing / millimetre),
                             fmt::format("at most spacing_mm, {:.2f}", p.spacing / millimetre));
         }
-        const bool wanted = physics->has("bones_yield");
-        p.bones_yield = physics->flag("bones_yield", p.bones_yield,
-                                      "Head, mandible and hyoid yield to the forces on them; always off with "
-                                      "`tissue_method: clusters`");
-        if (p.tissue_method == TissueMethod::clusters) {
-            if (wanted && p.bones_yield) {
-                physics->refuse("bones_yield", "on with 'tissue_method: clusters'",
-                                "'tissue_method: implicit', whose step the bones are part of");
+        // Reads a flag that is off with clusters.
+        const auto implicit_only = [&](const char* key, bool value, const char* help, const char* why) {
+            const bool wanted = physics->has(key);
+            const bool on = physics->flag(key, value, help);
+            const bool clusters = p.tissue_method == TissueMethod::clusters;
+            if (wanted && on && clusters) {
+                physics->refuse(key, "on with 'tissue_method: clusters'",
+                                std::string("'tissue_method: implicit', ") + why);
             }
-            p.bones_yield = false;
-        }
-        p.relaxation = physics->flag("relaxation", p.relaxation,
-                                     "The force of a held blade falls, as tongue and epiglottis relax (under "
-                                     "test); only with `tissue_method: implicit`");
-        if (p.relaxation && p.tissue_method == TissueMethod::clusters) {
-            physics->refuse("relaxation", "on with 'tissue_method: clusters'",
-                            "'tissue_method: implicit', whose elements relax");
-        }
+            return on && !clusters;
+        };
+        p.bones_yield = implicit_only("bones_yield", p.bones_yield,
+                                      "Head, mandible and hyoid yield to the forces on them; always off with "
+                                      "`tissue_method: clusters`",
+                                      "whose step the bones are part of");
+        p.relaxation = implicit_only("relaxation", p.relaxation,
+                                     "The force of a held blade falls, as tongue and epiglottis relax; "
+                                     "always off with `tissue_method: clusters`",
+                                     "whose elements relax");
         p.self_contact = physics->flag("self_contact", p.self_contact,
                                        "Self-contact of tongue, epiglottis and pharyngeal walls");
         p.sleep =

@@ -47,7 +47,7 @@ struct Scenario {
         TissueMethod tissue_method = TissueMethod::implicit;
         float region = 7e-3f;       ///< [m], tissue farther than this from the airway moves with the bones
         bool bones_yield = true;    ///< head, mandible and hyoid, with an implicit mesh
-        bool relaxation = false;    ///< of the stress in tongue and epiglottis
+        bool relaxation = true;     ///< of the stress in tongue and epiglottis, with an implicit mesh
         bool self_contact = false;  ///< contact between tissue and tissue
         bool sleep = true;          ///< tissue at rest is not simulated until something moves it
     } physics;

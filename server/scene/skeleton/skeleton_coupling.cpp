@@ -109,9 +109,7 @@ void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_st
         }
     });
     tissue.tongue().for_attachments([&](const pbd::ImplicitMesh::Spring& spring) {
-        const Vec3f& at = p.position[spring.particle];
-        skeleton_.add_spring(skeleton_.columns_at(at, carrier_of(spring.particle)),
-                             spring.stiffness * (at - spring.to), spring.stiffness);
+        pass_on(spring.particle, spring.stiffness * (p.position[spring.particle] - spring.to));
     });
 }
 

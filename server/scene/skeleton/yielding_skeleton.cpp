@@ -168,16 +168,6 @@ void YieldingSkeleton::add_contact(const Bodies::Columns& at, const Vec3f& force
     contact_stiffness_ += stiffness * along * along.transpose();
 }
 
-void YieldingSkeleton::add_spring(const Bodies::Columns& at, const Vec3f& force, float stiffness) {
-    add_load(at, force);
-    for (std::size_t a = 0; a < Bodies::coordinates; ++a) {
-        for (std::size_t b = 0; b < Bodies::coordinates; ++b) {
-            contact_stiffness_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) +=
-                stiffness * at[a].head<3>().dot(at[b].head<3>());
-        }
-    }
-}
-
 std::array<YieldingSkeleton::Restoring, YieldingSkeleton::Bodies::coordinates> YieldingSkeleton::restoring()
     const {
     const JointProperties& p = properties_;

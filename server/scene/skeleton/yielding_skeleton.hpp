@@ -36,7 +36,7 @@ struct JointProperties {
     float hyoid_forward = 500.0f;   ///< [N/m], forwards and upwards
     float hyoid_range = 6e-3f;      ///< [m], along each axis; beyond it, hyoid_stop acts
     float hyoid_stop = 5e3f;        ///< [N/m]
-    float relaxation = 0.05f;       ///< [s], damping of every coordinate over its stiffness
+    float relaxation = 0.1f;        ///< [s], damping of every coordinate over its stiffness
     float hand_on_jaw = 1.0f;       ///< [N m/rad], of an assistant who holds the mouth open
     float hand_on_head = 0.5f;      ///< [N m/rad], of a roll or a hand that holds the head back
     /// Passive stiffness of neck, jaw and hyoid in a newborn awake, over that of a relaxed one.
@@ -98,9 +98,6 @@ class YieldingSkeleton {
     /// The same where something with a `stiffness` [N/m] along the unit `normal` presses: the force changes
     /// by so much as the point moves, which keeps the step stable.
     void add_contact(const Bodies::Columns& at, const Vec3f& force, const Vec3f& normal, float stiffness);
-
-    /// The same where a spring of this `stiffness` [N/m] pulls in any direction.
-    void add_spring(const Bodies::Columns& at, const Vec3f& force, float stiffness);
 
     /// Adds a force [N] of fingers on the thyroid cartilage.
     void press_larynx(const Vec3f& force) { add_load(columns(thyroid_, thyroid_carrier_), force); }

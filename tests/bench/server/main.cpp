@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     lift.add_number("--spacing", matter.spacing, "Spacing of particles [mm] instead of the scenarios'",
                     {0, 5});
     lift.add_flag("--fixed-bones", matter.fixed_bones, "Head, mandible and hyoid do not yield");
-    lift.add_flag("--relax", matter.relax, "The stress of tongue and epiglottis relaxes");
+    lift.add_flag("--elastic", matter.elastic, "The stress of tongue and epiglottis does not relax");
     lift.add_flag("--no-blocks", matter.no_blocks, "Lifts only");
     lift.add_flag("--quick", matter.quick, "The first scenario and few blocks (two minutes)");
     lift.add_flag("--json", matter.json, "Print one JSON object");

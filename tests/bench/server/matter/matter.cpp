@@ -202,7 +202,7 @@ Scenario scenario_of(const MatterOptions& options, const std::string& name) {
         scenario.physics.spacing = static_cast<float>(1e-3 * options.spacing);
     }
     scenario.physics.bones_yield = scenario.physics.bones_yield && !options.fixed_bones;
-    scenario.physics.relaxation = scenario.physics.relaxation || options.relax;
+    scenario.physics.relaxation = scenario.physics.relaxation && !options.elastic;
     return scenario;
 }
 

@@ -17,7 +17,7 @@ struct MatterOptions {
     int substeps = 0;                  ///< 0: as the scenario says
     double spacing = 0.0;              ///< [mm], 0: as the scenario says
     bool fixed_bones = false;          ///< head, mandible and hyoid do not yield
-    bool relax = false;                ///< the tissue's stress relaxes
+    bool elastic = false;              ///< the tissue does not relax
     bool no_blocks = false;            ///< no blocks
     bool quick = false;                ///< the first scenario and few blocks
     bool json = false;
