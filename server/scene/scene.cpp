@@ -27,6 +27,8 @@ template <class Scalar, int rows>
 void add(Hash& hash, const Eigen::Matrix<Scalar, rows, 1>& vector) {
     hash.bytes(vector.data(), sizeof(Scalar) * rows);
 }
+// Of the tongue, and of the muscles that hold the bones (docs/solver/hexahedra.md#relaxation).
+constexpr pbd::Relaxation muscle_relaxation{.share = 0.5f, .time = 4.5f};
 constexpr float mucosa_stiffness = 40e3f;  // [N/m], of a contact: 20 mm^2 of 1.5 mm and 3 MPa on bone
 
 /// Force [N] of an assistant's fingers on the larynx, patient frame.
@@ -95,7 +97,10 @@ Scene::Scene(const patient::Patient& patient, const Laryngoscope& scope, const T
         }
     }
     if (settings.relaxation) {
-        tissue_.enable_relaxation();
+        tissue_.relax(muscle_relaxation);
+        if (bones_) {
+            bones_->relax(muscle_relaxation);
+        }
     }
     if (settings.sleep) {
         tissue_.enable_sleeping();
@@ -506,6 +511,7 @@ std::uint64_t Scene::state_hash() const {
     if (bones_) {
         add(hash, bones_->skeleton().offset());
         add(hash, bones_->skeleton().velocity());
+        add(hash, bones_->skeleton().unrelaxed());
     }
     add(hash, snapshot_.proxy);
     add(hash, snapshot_.last_free);

@@ -40,11 +40,6 @@ float input_modulus_of(const patient::Patient& patient, std::uint32_t cluster, f
 constexpr float hexahedron_poisson_ratio = 0.49f;
 constexpr float tetrahedron_poisson_ratio = 0.45f;
 
-// The force of a held blade then falls to 70 % with a half-time of 4 s, as published, where bones in series
-// with the tissue do not relax (docs/solver/hexahedra.md#relaxation).
-constexpr float relaxing_share = 0.5f;
-constexpr float relaxation_time = 4.5f;  // [s]
-
 // [spacings] from a cluster's centre. Clusters reach farther, and a surface drawn with the mean of all
 // members does not follow a blade's dent (docs/decisions/skinning.md).
 constexpr float fitted_reach = 1.75f;
@@ -321,10 +316,6 @@ void SoftTissue::update_moduli() {
         moduli_.push_back(patient::link_stiffness(patient_, l, soft_));
     }
     body_.links.set_stiffness(moduli_);
-}
-
-void SoftTissue::enable_relaxation() {
-    tongue_.relax({.share = relaxing_share, .time = relaxation_time});
 }
 
 void SoftTissue::enable_sleeping() {

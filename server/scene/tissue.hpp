@@ -42,7 +42,7 @@ class SoftTissue {
     void set_stiffness(float soft);
 
     /// From now on the stress of the implicit mesh relaxes.
-    void enable_relaxation();
+    void relax(const pbd::Relaxation& relaxation) { tongue_.relax(relaxation); }
     /// Lets tissue at rest sleep from now on; the body's begin_step() and end_step() must then enclose each
     /// step.
     void enable_sleeping();

@@ -102,7 +102,7 @@ bool Tongue::update_tools_away(bool away) {
 void Tongue::gather_springs(const pbd::Particles& particles) {
     mesh_.springs = cluster_springs_;
     const auto used = mesh_.particles();
-    const bool drawn = away_ > relax_begin && away_ < relax_end;
+    const bool drawn = is_drawn();
     mesh_.set_recovering(drawn);  // else dents that it draws out would return
     for (std::size_t k = 0; k < used.size(); ++k) {
         if (drawn && moved_[used[k]]) {

@@ -83,6 +83,8 @@ class Tongue {
     /// would stay so; its stress relaxation is forgotten meanwhile. Returns true when that begins; the tongue
     /// must then be awake.
     [[nodiscard]] bool update_tools_away(bool away);
+    /// Whether it is being drawn to its rest shape.
+    [[nodiscard]] bool is_drawn() const { return away_ > relax_begin && away_ < relax_end; }
 
     /// Begins to solve for a part of a step of `dt` [s], in which `blade` moves from one pose to the other:
     /// finds contacts. Particles bound to bone move by `fraction` of the remaining distance to their rest

@@ -13,8 +13,6 @@ namespace eti::pbd {
 
 namespace {
 
-constexpr float recovery_time = 0.05f;  // [s]; half a second leaves 5e-5 of a memory
-
 /// Calls body(metric at rest, index) for the elements' blocks, tetrahedra first.
 template <class Body>
 void for_blocks(const Tetrahedra& tetrahedra, const Hexahedra& hexahedra, const Body& body) {
@@ -28,6 +26,11 @@ void for_blocks(const Tetrahedra& tetrahedra, const Hexahedra& hexahedra, const 
 }
 
 }  // namespace
+
+float Relaxation::rate(float dt, bool recovers) const {
+    constexpr float recovery_time = 0.05f;  // [s]; half a second leaves 5e-5 of a memory
+    return -std::expm1(-dt / (recovers ? recovery_time : time));
+}
 
 void RelaxationMemory::configure(const Relaxation& relaxation, const Tetrahedra& tetrahedra,
                                  const Hexahedra& hexahedra) {
@@ -50,8 +53,7 @@ void RelaxationMemory::reset(const Tetrahedra& tetrahedra, const Hexahedra& hexa
 }
 
 RelaxationStep RelaxationMemory::step(float dt) const {
-    const float time = recovers_ ? recovery_time : relaxation_.time;
-    return {.share = relaxation_.share, .rate = -std::expm1(-dt / time), .recovers = recovers_};
+    return {.share = relaxation_.share, .rate = relaxation_.rate(dt, recovers_), .recovers = recovers_};
 }
 
 void RelaxationMemory::begin_rest(const Tetrahedra& tetrahedra, const Hexahedra& hexahedra) {

@@ -32,6 +32,9 @@ namespace eti::pbd {
 struct Relaxation {
     float share = 0.0f;  ///< of the shear modulus; 0 to 1 (exclusive)
     float time = 1.0f;   ///< [s], of a held deformation; that of recovery is time / (1 - share)
+    /// By which the branch's rest approaches its target in a step of `dt` [s]: the deformation, or the rest
+    /// shape if it `recovers`.
+    [[nodiscard]] float rate(float dt, bool recovers) const;
 };
 
 /// Mv of eight elements.
@@ -43,7 +46,7 @@ static_assert(Tetrahedra::lanes == Hexahedra::lanes);
 /// What kernels need of a step.
 struct RelaxationStep {
     float share = 0.0f;     ///< as in Relaxation
-    float rate = 0.0f;      ///< by which Mv approaches its target in the step
+    float rate = 0.0f;      ///< as in Relaxation
     bool recovers = false;  ///< to the rest shape; else to the current one
 };
 

@@ -15,6 +15,7 @@ namespace {
 constexpr float hold_distance = 50e-6f;
 constexpr float skeleton_arm = 0.1f;       // [m], of angles
 constexpr float still_bone_speed = 1e-5f;  // [m/s], or at that arm
+constexpr float settled = 1e-5f;           // [m], or at that arm: what muscles have yet to relax
 constexpr float counting_load = 1e-3f;     // [N], or at that arm
 
 float scale_of(int coordinate) {
@@ -117,10 +118,12 @@ bool SkeletonCoupling::needs_step() const {
     if (tone_changed_) {
         return true;
     }
+    const YieldingSkeleton::Vector unrelaxed = skeleton_.unrelaxed();
     for (int c = 0; c < static_cast<int>(YieldingSkeleton::Bodies::coordinates); ++c) {
         const float scale = scale_of(c);
         // NaN must not count as still.
         if (!(scale * std::abs(skeleton_.velocity()[c]) < still_bone_speed) ||
+            !(scale * std::abs(unrelaxed[c]) < settled) ||
             !(std::abs(skeleton_.load()[c] - solved_load_[c]) < scale * counting_load)) {
             return true;
         }
@@ -130,6 +133,7 @@ bool SkeletonCoupling::needs_step() const {
 
 void SkeletonCoupling::begin_solve(SoftTissue& tissue, const Walls& walls, float dt) {
     pbd::YieldingBodies& bodies = tissue.tongue().bodies();
+    skeleton_.set_recovering(tissue.tongue().is_drawn());
     skeleton_.write(bodies, dt);
     bodies.jacobian.resize(of_mesh_.size());
     for (std::size_t h = 0; h < of_mesh_.size(); ++h) {

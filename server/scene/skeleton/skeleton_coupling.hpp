@@ -28,13 +28,15 @@ class SkeletonCoupling {
 
     [[nodiscard]] const YieldingSkeleton& skeleton() const { return skeleton_; }
 
+    /// From now on the muscles' stress relaxes.
+    void relax(const pbd::Relaxation& relaxation) { skeleton_.relax(relaxation); }
     /// Muscle tone, and the force [N] of an assistant's fingers on the larynx, from now on.
     void set_hands(float muscle_tone, const Vec3f& laryngeal_pressure);
     /// Gathers the loads of a step; `proxy` is that step's, `blade` and `tissue` are as of the last. A
     /// contact of the proxy has `contact_stiffness` [N/m].
     void gather_loads(const ProxySnapshot& proxy, float contact_stiffness, const BladeContact& blade,
                       const PosedShell& shell, const SoftTissue& tissue);
-    /// Whether the bones move, or loads have changed since the last solve.
+    /// Whether the bones move, muscles have yet to relax, or loads have changed since the last solve.
     [[nodiscard]] bool needs_step() const;
 
     /// Encloses each solve of the mesh, of `dt` [s], once its contacts are found.

@@ -76,8 +76,10 @@ YieldingSkeleton::YieldingSkeleton(const patient::Patient& patient, const JointP
 }
 
 void YieldingSkeleton::reset(const patient::Posture& posture) {
-    offset_.setZero();
-    velocity_.setZero();
+    for (Vector* state : {&offset_, &velocity_, &muscle_rest_}) {
+        state->setZero();
+    }
+    recovers_ = false;
     unload();
     follow(posture);
 }
@@ -172,7 +174,10 @@ std::array<YieldingSkeleton::Restoring, YieldingSkeleton::Bodies::coordinates> Y
     const {
     const JointProperties& p = properties_;
     std::array<Restoring, Bodies::coordinates> out;
-    const auto spring = [&](Coordinate c, float stiffness) { out[c] = {-stiffness * offset_[c], stiffness}; };
+    const auto spring = [&](Coordinate c, float relaxed, float held = 0.0f) {
+        const float passive = passive_ * relaxed;
+        out[c] = {-(passive + held) * offset_[c], passive + held, passive};
+    };
     /// Acts beyond a limit, in the direction `sign`.
     const auto stop = [&](Coordinate c, float beyond, float sign, float stiffness) {
         if (beyond > 0.0f) {
@@ -182,22 +187,22 @@ std::array<YieldingSkeleton::Restoring, YieldingSkeleton::Bodies::coordinates> Y
     };
     const float extension = offset_[head_extension];
     const float held_head = posture_.head_elevation > 0.0f ? p.hand_on_head : 0.0f;
-    spring(head_extension, held_head + passive_ * (extension > 0.0f ? p.neck_extension : p.neck_flexion));
+    spring(head_extension, extension > 0.0f ? p.neck_extension : p.neck_flexion, held_head);
     stop(head_extension, std::abs(extension) - p.neck_range, extension > 0.0f ? 1.0f : -1.0f, p.neck_stop);
 
-    spring(head_lift, passive_ * p.neck_lift);
+    spring(head_lift, p.neck_lift);
 
     const float held_jaw = posture_.jaw_opening > 0.0f ? p.hand_on_jaw : 0.0f;
-    spring(jaw_opening, held_jaw + passive_ * p.jaw_opening);
+    spring(jaw_opening, p.jaw_opening, held_jaw);
     stop(jaw_opening, opening() - widest_opening_, 1.0f, p.jaw_stop);
     stop(jaw_opening, closed_ - opening(), -1.0f, p.jaw_stop);
-    spring(jaw_slide, passive_ * p.jaw_slide);
+    spring(jaw_slide, p.jaw_slide);
     stop(jaw_slide, offset_[jaw_slide] - p.jaw_slide_range, 1.0f, p.jaw_slide_stop);
     stop(jaw_slide, -offset_[jaw_slide], -1.0f, p.jaw_slide_stop);
 
-    spring(hyoid_left, passive_ * p.hyoid_sideways);
-    spring(hyoid_back, passive_ * p.hyoid_forward);
-    spring(hyoid_up, passive_ * p.hyoid_forward);
+    spring(hyoid_left, p.hyoid_sideways);
+    spring(hyoid_back, p.hyoid_forward);
+    spring(hyoid_up, p.hyoid_forward);
     for (const Coordinate c : {hyoid_left, hyoid_back, hyoid_up}) {
         stop(c, std::abs(offset_[c]) - p.hyoid_range, offset_[c] > 0.0f ? 1.0f : -1.0f, p.hyoid_stop);
     }
@@ -221,12 +226,18 @@ void YieldingSkeleton::write(Bodies& bodies, float dt) const {
         p.head_inertia, p.head_mass, p.jaw_inertia, p.jaw_mass, p.hyoid_mass, p.hyoid_mass, p.hyoid_mass};
     bodies.matrix = contact_stiffness_;
     bodies.force = load_;
+    // The relaxing branch's rest at the end of the step: kept of what it was, and what follows the offset.
+    const float kept = 1.0f - relaxation_.rate(dt, recovers_);
+    const float follows = recovers_ ? 0.0f : 1.0f - kept;
     const auto springs = restoring();
     for (std::size_t n = 0; n < Bodies::coordinates; ++n) {
         const auto c = static_cast<Eigen::Index>(n);
         const float stiffness = springs[n].stiffness;
-        bodies.matrix(c, c) += inertia[n] / (dt * dt) + p.relaxation * stiffness / dt + stiffness;
-        bodies.force[c] += springs[n].force + inertia[n] / dt * velocity_[c];
+        const float relaxing = relaxation_.share * springs[n].passive;
+        bodies.matrix(c, c) +=
+            inertia[n] / (dt * dt) + p.relaxation * stiffness / dt + stiffness - follows * relaxing;
+        bodies.force[c] += springs[n].force + inertia[n] / dt * velocity_[c] +
+                           relaxing * (kept * muscle_rest_[c] + follows * offset_[c]);
     }
     // Occiput and centre of mass rise with the joint, and fall as the head extends.
     const Restoring under_head = table();
@@ -240,6 +251,11 @@ void YieldingSkeleton::write(Bodies& bodies, float dt) const {
 void YieldingSkeleton::advance(const Vector& step, float dt) {
     offset_ += step;
     velocity_ = step / dt;
+    const float rate = relaxation_.rate(dt, recovers_);
+    muscle_rest_ *= 1.0f - rate;
+    if (!recovers_) {
+        muscle_rest_ += rate * offset_;
+    }
     place();
 }
 

@@ -7,6 +7,7 @@
 
 #include "server/patient/model/patient.hpp"
 #include "server/patient/model/skeleton.hpp"
+#include "server/pbd/soft/relaxation.hpp"
 #include "server/pbd/soft/yielding_bodies.hpp"
 
 namespace eti::scene {
@@ -91,6 +92,14 @@ class YieldingSkeleton {
     /// do not change.
     void set_muscle_tone(float tone) { passive_ = 1.0f + tone * (properties_.awake - 1.0f); }
 
+    /// From now on the passive stiffness relaxes, by one Prony term as in pbd::Relaxation; properties are those
+    /// of a sudden load. Stops, hands and the mattress do not.
+    void relax(const pbd::Relaxation& relaxation) { relaxation_ = relaxation; }
+    /// Where true, muscles forget past offsets within a tenth of a second.
+    void set_recovering(bool recovers) { recovers_ = recovers; }
+    /// By how much the muscles' rest lags behind the offsets that hold them, times the relaxing share.
+    [[nodiscard]] Vector unrelaxed() const { return relaxation_.share * (offset_ - muscle_rest_); }
+
     /// Discards all loads.
     void unload();
     /// Adds a force [N] that acts at a point until unload().
@@ -120,9 +129,9 @@ class YieldingSkeleton {
     /// mandible; `on_jaw` [m]: where the mandible carries it.
     [[nodiscard]] Bodies::Columns columns_about(const Vec3f& neck_arm, const Vec3f& on_jaw,
                                                 const Carrier& carrier) const;
-    /// Restoring force at an offset, and its derivative.
+    /// Restoring force at an offset, its derivative, and the share of that which muscles have.
     struct Restoring {
-        float force = 0.0f, stiffness = 0.0f;
+        float force = 0.0f, stiffness = 0.0f, passive = 0.0f;
     };
     [[nodiscard]] std::array<Restoring, Bodies::coordinates> restoring() const;
     /// Of the table on the occiput, by how far the occiput has risen.
@@ -138,6 +147,9 @@ class YieldingSkeleton {
     float widest_opening_ = 0.0f, closed_ = 0.0f;  // [rad], where the jaw's stops begin
     patient::Posture posture_;
     Vector offset_ = Vector::Zero(), velocity_ = Vector::Zero(), load_ = Vector::Zero();
+    pbd::Relaxation relaxation_;
+    Vector muscle_rest_ = Vector::Zero();  // of the relaxing branch
+    bool recovers_ = false;
     Bodies::Matrix contact_stiffness_ = Bodies::Matrix::Zero();
     patient::BonePoses poses_;
 };
