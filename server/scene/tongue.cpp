@@ -65,13 +65,17 @@ void Tongue::keep_apart(const SelfContactFinder::Description& description) {
     mesh_.self_contacts.reserve(self_contacts_.points());
 }
 
-void Tongue::reset(pbd::Particles& particles) {
+void Tongue::forget_contacts() {
     contacts_.reset();
     self_contacts_.reset();
+    mesh_.contacts.clear();
     mesh_.self_contacts.clear();
+}
+
+void Tongue::reset(pbd::Particles& particles) {
+    forget_contacts();
     mesh_.forget();
     away_ = relax_end;
-    mesh_.contacts.clear();
     mesh_.springs.clear();
     cluster_springs_.clear();
     std::ranges::fill(push_, Vec3f::Zero());
@@ -133,6 +137,10 @@ void Tongue::find_contacts(pbd::SoftBody& body, const TongueContacts::MovingBlad
     gather_springs(p);
     parallel::run_both([&] { mesh_.linearise(p, dt); },
                        [&] {
+                           if (is_drawn()) {
+                               forget_contacts();  // they may be what keeps it from its rest shape
+                               return;
+                           }
                            contacts_.find(p, blade, walls, mesh_.contacts);
                            if (self_contacts_.points() > 0) {
                                self_contacts_.find(p, mesh_.self_contacts);

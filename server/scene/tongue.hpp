@@ -79,8 +79,8 @@ class Tongue {
     [[nodiscard]] static int solve_count(float blade_way, int substeps);
 
     /// Call once before a step's solves, with whether no tool is near any tissue. Some time after the last
-    /// tool has left, the tongue is drawn to its rest shape for a moment, because a mesh wound about itself
-    /// would stay so; its stress relaxation is forgotten meanwhile. Returns true when that begins; the tongue
+    /// tool has left, the tongue is drawn to its rest shape for a moment, because a mesh wound about itself or
+    /// behind a wall would stay so; contacts and its stress relaxation are forgotten meanwhile. Returns true when that begins; the tongue
     /// must then be awake.
     [[nodiscard]] bool update_tools_away(bool away);
     /// Whether it is being drawn to its rest shape.
@@ -105,6 +105,7 @@ class Tongue {
     /// Sets the masses that substeps see: a particle's own stiffness over one substep.
     void set_substep_masses(pbd::Particles& particles) const;
     void gather_springs(const pbd::Particles& particles);
+    void forget_contacts();
 
     pbd::ImplicitMesh mesh_;
     TongueContacts contacts_;

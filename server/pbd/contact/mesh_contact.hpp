@@ -25,9 +25,8 @@ struct MeshContact {
                                                            ///< within the mesh
     std::uint8_t corners = 1;
     bool within_mesh = false;
-    /// Its obstacle among YieldingBodies::obstacles, if that is carried by a body that yields.
-    std::int32_t obstacle = fixed;
-    static constexpr std::int32_t fixed = -1;
+    std::int32_t far_end = fixed_end;  ///< the obstacle's Jacobian, if a body carries it: see YieldingBodies
+    static constexpr std::int32_t fixed_end = -1;
     float damping = 0.0f;           ///< of its displacement, in `stiffness`; changes no equilibrium
     Vec3f normal = Vec3f::UnitY();  ///< unit, out of the obstacle
     float gap = 0.0f;               ///< [m], at the predicted position; negative inside

@@ -347,10 +347,10 @@ void ImplicitMesh::add_force(const MeshContact& c, const Vec3f& force, float fac
     for (std::size_t e = 0; e < c.corners; ++e) {
         residual_[corner_of_[c.particle[e]]].head<3>() += factor * c.share[e] * force;
     }
-    if (c.obstacle != MeshContact::fixed) {
+    if (c.far_end != MeshContact::fixed_end) {
         Eigen::Vector4f on_obstacle = Eigen::Vector4f::Zero();
         on_obstacle.head<3>() = -factor * force;
-        YieldingBodies::add_transposed(bodies.obstacles[static_cast<std::size_t>(c.obstacle)], on_obstacle,
+        YieldingBodies::add_transposed(bodies.far_end(c.far_end), on_obstacle,
                                        bodies_residual_);
     }
 }
@@ -432,11 +432,11 @@ void ImplicitMesh::factorise_bodies() {
         YieldingBodies::add_projected(bodies.jacobian[h], square_[held_[h]], mixed_[held_[h]], matrix);
     }
     for_contacts([&](const MeshContact& c) {
-        if (c.obstacle != MeshContact::fixed && c.held != MeshContact::Held::nothing) {
+        if (c.far_end != MeshContact::fixed_end && c.held != MeshContact::Held::nothing) {
             Eigen::Vector4f square = Eigen::Vector4f::Zero();
             Eigen::Vector4f mixed = Eigen::Vector4f::Zero();
             add_block(c, c.holding_stiffness(), square, mixed);
-            YieldingBodies::add_projected(bodies.obstacles[static_cast<std::size_t>(c.obstacle)], square,
+            YieldingBodies::add_projected(bodies.far_end(c.far_end), square,
                                           mixed, matrix);
         }
     });
@@ -539,9 +539,9 @@ Vec3f ImplicitMesh::displacement_of(const MeshContact& contact, const Wide& corn
     for (std::size_t e = 1; e < contact.corners; ++e) {
         displacement += contact.share[e] * corners[corner_of_[contact.particle[e]]];
     }
-    if (contact.obstacle != MeshContact::fixed) {
+    if (contact.far_end != MeshContact::fixed_end) {
         Eigen::Vector4f of_obstacle;
-        put(YieldingBodies::displacement(bodies.obstacles[static_cast<std::size_t>(contact.obstacle)],
+        put(YieldingBodies::displacement(bodies.far_end(contact.far_end),
                                          of_bodies),
             of_obstacle);
         displacement -= of_obstacle;

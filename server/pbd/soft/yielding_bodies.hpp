@@ -15,8 +15,9 @@ namespace eti::pbd {
 /// They are unknowns of the mesh's own step,
 ///     [ K_ff    K_fh J              ] [dx]   [residual of the free corners]
 ///     [ J^T K_hf  J^T K_hh J + matrix ] [dq] = [J^T residual of the held corners + force]
-/// so that the coupling is stable for any ratio of stiffness and mass. So are the forces of the obstacles that
-/// they carry. Coordinates that are not used have a row and column of the identity.
+/// so that the coupling is stable for any ratio of stiffness and mass. Obstacles that they carry, the far ends
+/// of the mesh's contacts, move with them within the step. Coordinates that are not used have a row and column
+/// of the identity.
 struct YieldingBodies {
     static constexpr std::size_t coordinates = 7;
     using Vector = Eigen::Matrix<float, coordinates, 1>;
@@ -30,8 +31,16 @@ struct YieldingBodies {
     Vector force = Vector::Zero();  ///< generalised force at the beginning of the step
     std::vector<Columns>
         jacobian;  ///< [held corners], in the order of ImplicitMesh::held(); empty: none yields
-    std::vector<Columns> obstacles;  ///< of the points at which the mesh touches what the bodies carry
-    Vector step = Vector::Zero();    ///< result: increment of the coordinates
+    std::vector<Columns> far_ends;  ///< Jacobians of contacts' far ends
+    Vector step = Vector::Zero();   ///< result: increment of the coordinates
+    [[nodiscard]] const Columns& far_end(std::int32_t number) const {
+        return far_ends[static_cast<std::size_t>(number)];
+    }
+    /// Returns the number of a far end with these columns.
+    [[nodiscard]] std::int32_t add_far_end(const Columns& columns) {
+        far_ends.push_back(columns);
+        return static_cast<std::int32_t>(far_ends.size()) - 1;
+    }
     [[nodiscard]] bool yield() const { return !jacobian.empty(); }
 
     [[nodiscard]] static Float4 displacement(const Columns& columns, const Vector& of) {

@@ -140,14 +140,13 @@ void SkeletonCoupling::begin_solve(SoftTissue& tissue, const Walls& walls, float
         bodies.jacobian[h] = skeleton_.columns(tissue.unposed(of_mesh_[h].particle), of_mesh_[h].carrier);
     }
     const YieldingSkeleton::Vector since = skeleton_.offset() - walls.motion->at();
-    bodies.obstacles.clear();
+    bodies.far_ends.clear();
     tissue.tongue().for_wall_contacts([&](pbd::MeshContact& contact) {
         const Vec3f& at = tissue.body().particles.predicted[contact.particle[0]];
-        contact.obstacle = static_cast<std::int32_t>(bodies.obstacles.size());
-        bodies.obstacles.push_back(
+        contact.far_end = bodies.add_far_end(
             skeleton_.columns_at(at, walls.motion->carrier_at(walls.in_grid(at))));
-        Eigen::Vector4f moved;
-        pbd::put(pbd::YieldingBodies::displacement(bodies.obstacles.back(), since), moved);
+        Eigen::Vector4f moved;  // what the walls have yet to follow
+        pbd::put(pbd::YieldingBodies::displacement(bodies.far_ends.back(), since), moved);
         contact.gap -= contact.normal.dot(moved.head<3>());
     });
     solved_load_ = skeleton_.load();

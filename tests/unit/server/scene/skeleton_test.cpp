@@ -216,6 +216,35 @@ TEST(YieldingSkeleton, LarynxYieldsByPressureOverStiffness) {
     EXPECT_LT(bare.skeleton.offset().cwiseAbs().maxCoeff(), 1e-6f);
 }
 
+// A spring k with a relaxing share s creeps under a constant force from F/k to F/(k (1 - s)), with the
+// retardation time T / (1 - s).
+TEST(YieldingSkeleton, MusclesCreepAsAStandardLinearSolid) {
+    constexpr float share = 0.5f;
+    constexpr float time = 1.0f;  // [s]
+    BareSkeleton bare;
+    bare.skeleton.relax({.share = share, .time = time});
+    const float at_once = 1.0f / (bare.at_term.hyoid_sideways * bare.size);
+    const float retardation = time / (1.0f - share);
+    const auto pushed = [&](float seconds) {
+        for (int k = 0; k < static_cast<int>(seconds * steps_per_second); ++k) {
+            bare.skeleton.unload();
+            bare.skeleton.press_larynx(Vec3f::UnitX());
+            bare.step(step_duration);
+        }
+        return bare.offset(YieldingSkeleton::hyoid_left);
+    };
+    // The damper, of a tenth of a second, delays each value.
+    EXPECT_NEAR(pushed(2.0f), at_once * (2.0f - std::exp(-2.0f / retardation)), 0.08f * at_once);
+    EXPECT_NEAR(pushed(18.0f), 2.0f * at_once, 1e-3f * at_once);
+    EXPECT_LT(bare.skeleton.unrelaxed().cwiseAbs().maxCoeff(), 1e-6f);
+    bare.skeleton.unload();
+    bare.skeleton.set_recovering(true);
+    for (int k = 0; k < 2 * steps_per_second; ++k) {
+        bare.step(step_duration);
+    }
+    EXPECT_LT(std::abs(bare.offset(YieldingSkeleton::hyoid_left)), 1e-6f) << "forgets at once";
+}
+
 TEST(YieldingSkeleton, SwingsAtItsNaturalFrequency) {
     JointProperties undamped;
     undamped.relaxation = 0.0f;

@@ -14,23 +14,33 @@ namespace {
 
 constexpr float body_dt = 1.0f / 180.0f;
 
-/// A block of tissue whose lowest layer a body holds. The body slides along z (coordinate 0) and turns about
-/// the x axis through the origin (coordinate 1), against springs.
+enum class Lowest : bool { held, on_wall };
+
+/// A block of tissue whose lowest layer a body holds, or that lies on a wall which a body carries. The body
+/// slides along z (coordinate 0) and turns about the x axis through the origin (coordinate 1), against
+/// springs.
 struct SprungBlock {
     test::TetrahedralBody body;
     ImplicitMesh mesh;
     YieldingBodies::Vector at = YieldingBodies::Vector::Zero(), speed = YieldingBodies::Vector::Zero();
     std::array<float, 2> stiffness, mass, damping;
 
-    SprungBlock(std::array<float, 2> springs, std::array<float, 2> inertia, std::array<float, 2> dampers)
+    SprungBlock(std::array<float, 2> springs, std::array<float, 2> inertia, std::array<float, 2> dampers,
+                Lowest lowest = Lowest::held)
         : body(test::tetrahedral_lattice(4, 4, 3, 2.5e-3), 8e3f, 0.45f),
           stiffness(springs),
           mass(inertia),
           damping(dampers) {
         Particles& p = body.particles;
         for (std::uint32_t i = 0; i < p.size(); ++i) {
-            if (p.rest[i].z() < 1e-6f) {
+            if (p.rest[i].z() >= 1e-6f) {
+                continue;
+            }
+            if (lowest == Lowest::held) {
                 p.inverse_mass[i] = 0.0f;
+            } else {
+                mesh.contacts.push_back(MeshContact::at_particle(i));
+                mesh.contacts.back().normal = Vec3f::UnitZ();
             }
         }
         const std::vector<float> moduli(body.lattice.tetrahedra.size(), 8e3f);
@@ -69,6 +79,14 @@ struct SprungBlock {
             columns[1].head<3>() = Vec3f::UnitX().cross(p.position[mesh.particles()[k]]);
             bodies.jacobian.push_back(columns);
         }
+        bodies.far_ends.clear();
+        for (MeshContact& contact : mesh.contacts) {
+            contact.gap = p.position[contact.particle[0]].z() - at[0];
+            YieldingBodies::Columns columns;
+            columns.fill(Eigen::Vector4f::Zero());
+            columns[0].z() = 1.0f;
+            contact.far_end = bodies.add_far_end(columns);
+        }
         mesh.solve(p, body_dt);
         at += bodies.step;
         speed = bodies.step / body_dt;
@@ -90,6 +108,22 @@ TEST(YieldingBodies, CarryTheTissuesWeight) {
         }
         EXPECT_NEAR(block.at[0], deflection, 1e-3f * std::abs(deflection)) << stiffness << " N/m";
     }
+}
+
+// The wall yields with the body's own pace: tissue that lies on it does not hold it up.
+TEST(YieldingBodies, WallsTheyCarryYieldAtOnce) {
+    constexpr float g = 9.81f;
+    constexpr float stiffness = 20.0f;  // [N/m], far less than that of the contacts
+    SprungBlock block({stiffness, 1e9f}, {1e-3f, 1e-6f}, {0.1f, 0.0f}, Lowest::on_wall);
+    const float deflection = -block.moving_mass() * g / stiffness;
+    for (int n = 0; n < 90; ++n) {
+        block.step({0.0f, 0.0f, -g});
+    }
+    EXPECT_NEAR(block.at[0], deflection, 0.05f * std::abs(deflection)) << "within half a second";
+    for (int n = 0; n < 900; ++n) {
+        block.step({0.0f, 0.0f, -g});
+    }
+    EXPECT_NEAR(block.at[0], deflection, 1e-3f * std::abs(deflection));
 }
 
 TEST(YieldingBodies, TurnUnderTheTissuesMoment) {
