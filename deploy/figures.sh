@@ -6,15 +6,15 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration stability sufficiency sleep haptics bus soak anatomy pictures render readers panel first_session report)
+PARTS=(accuracy calibration matter stability sufficiency sleep haptics bus soak anatomy pictures render readers panel first_session report)
 # Duration of each on two cores.
-declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [stability]="five minutes"
+declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [matter]="twenty minutes" [stability]="five minutes"
                   [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
                   [bus]="an hour and three quarters" [soak]="three hours" [anatomy]="a minute" [pictures]="a minute"
                   [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes"
                   [report]="two minutes")
 # What carries a stamp with its physics version, cheapest first; the others are pictures.
-STAMPED=(calibration sleep stability readers render haptics sufficiency accuracy bus soak)
+STAMPED=(calibration sleep stability matter readers render haptics sufficiency accuracy bus soak)
 PICTURES=(laryngoscope section overview)
 LESSONS=(lesson_2 lesson_3 lesson_4 lesson_5 final)
 CHARTS=$ETI_ROOT/docs/charts
@@ -36,7 +36,7 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --no-install  do not look for missing packages
   --list        list the output files without writing them
   --help        print this
-Sufficiency, sleep, bus and soak have tables and no figure. Pictures are README's, anatomy the slices of segmented heads,
+Matter, sufficiency, sleep, bus and soak have tables and no figure. Pictures are README's, anatomy the slices of segmented heads,
 render the views against their goals, readers what a lab's own program reads and its cost, panel the instructor's beside
 a session, first_session the steps of an intubation with mouse and keys, report the page about two recorded sessions.
 USAGE
@@ -179,7 +179,7 @@ soak() {
 
 measure() {
     case $1 in
-        accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
+        accuracy | calibration | matter | stability | sleep) bench "$1" --threads 1 "$1" ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;

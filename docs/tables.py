@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""Writes the tables of keys and parameters into the documents, from the server's own output.
+"""Writes the tables of keys and parameters into the documents, from the server's own output, and those of measurements
+that docs/charts holds.
 
 A table stands between "<!-- table: NAME -->" and "<!-- end -->". --check changes nothing and exits 1 if a document
 holds another table.
 """
 
 import argparse
+import csv
 import json
 import re
 import subprocess
@@ -16,7 +18,7 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
-PAGES = ("scenarios.md", "commands.md", "metrics.md", "metrics-numbers.md")
+PAGES = ("scenarios.md", "commands.md", "metrics.md", "metrics-numbers.md", "solver/hexahedra.md", "solver/skeleton.md")
 
 
 def number(value):
@@ -74,7 +76,96 @@ def thresholds(tables):
                   for r in tables["thresholds"]])
 
 
-MAKERS = {"thresholds": thresholds, "scenario": scenario, "scenario_other": scenario_other, "live": live, "parameters": parameters}
+def lifts():
+    """Rows of the replayed lift by scenario and variant."""
+    with (DOCS / "charts" / "matter.csv").open(encoding="utf-8") as file:
+        return {(row["scenario"], row["variant"]): row for row in csv.DictReader(file)}
+
+
+def share(row, key):
+    return f"{100 * float(row[key]):.3g} %"
+
+
+def value(key, unit="", digits=3):
+    return lambda row: " ".join(filter(None, [f"{float(row[key]):.{digits}g}", unit]))
+
+
+def percent(key):
+    return lambda row: share(row, key)
+
+
+# What a replayed lift shows: name, goal, cell.
+MATTER = [
+    ("volume of the tongue's cells", "at least 97 %", percent("tongue_volume_share")),
+    ("of what the tongue occupies, covered twice", "at most 1 %", percent("tongue_doubly_covered_share")),
+    ("inverted tetrahedra, five or six to a cell", "0", lambda row: row["inverted_cells"]),
+    ("speed of held tissue", "at most 0.5 mm/s", value("tremble_mm_per_s", "mm/s", 2)),
+    ("greatest force on the epiglottis", "5 to 11 N", value("epiglottis_force_n", "N", 2)),
+    ("greatest force on the gum", "3 to 5.5 N", value("gum_force_n", "N", 2)),
+    ("the same, held blade pitched by 45°", "below 45 N", value("gum_force_lever_n", "N")),
+    ("force of a blade held for 4 s, after a quick lift", "65 to 75 %", percent("hold_relaxation_share")),
+    ("distance from rest three seconds after", "at most 0.01 mm", value("from_rest_mm", "mm", 2)),
+]
+BONES = [
+    ("force on the blade", value("blade_force_held_n", "N", 2)),
+    ("greatest force on the epiglottis", value("epiglottis_force_n", "N", 2)),
+    ("gum, blade pitched by 45°", value("gum_force_lever_n", "N")),
+    ("volume of the tongue's cells", percent("tongue_volume_share")),
+    ("of what it occupies, covered twice", percent("tongue_doubly_covered_share")),
+    ("inverted tetrahedra", lambda row: row["inverted_cells"]),
+    ("glottis seen", lambda row: f"{float(row['view_percent']):.0f} %"),
+    ("speed of held tissue", value("tremble_mm_per_s", "mm/s", 2)),
+    ("jaw's slide, head's lift", lambda row: f"{float(row['jaw_slide_mm']):.1f}, {float(row['head_lift_mm']):.1f} mm"),
+    ("head's extension", lambda row: f"{float(row['head_extension_deg']):.1f}°"),
+    ("hyoid's shift", value("hyoid_shift_mm", "mm", 2)),
+    ("force after 4 s", percent("hold_relaxation_share")),
+]
+# Resolutions between which a result should not differ, and how it is judged.
+RESOLUTIONS = ("2.5 mm", "shipped", "1.5 mm", "4 substeps", "16 substeps")
+SPREAD = [("blade_force_held_n", "force on the blade", "5 %"), ("gum_force_n", "gum", "10 %"),
+          ("epiglottis_force_n", "epiglottis", "10 %"), ("view_percent", "glottis seen", "5 points")]
+
+
+def matter(_):
+    rows = lifts()
+    return table(["what", "goal", "term", "premature"],
+                 [[name, goal] + [cell(rows[scenario, "shipped"]) for scenario in ("term", "premature")]
+                  for name, goal, cell in MATTER])
+
+
+def spread(_):
+    rows = lifts()
+    lines = []
+    for scenario in ("term", "premature"):
+        for key, name, goal in SPREAD:
+            values = [float(rows[scenario, variant][key]) for variant in RESOLUTIONS]
+            apart = max(values) - min(values)
+            over = f"{apart:.0f} points" if goal.endswith("points") else f"{100 * apart / values[1]:.0f} %"
+            lines.append([f"{scenario}, {name}", *(f"{v:.3g}" for v in values), over, goal])
+    return table(["what", *RESOLUTIONS, "spread", "goal"], lines)
+
+
+def bones(_):
+    rows = lifts()
+    columns = [(scenario, variant) for scenario in ("term", "premature") for variant in ("fixed bones", "elastic", "shipped")]
+    return table(["blade held at the best view", *(f"{scenario}, {variant}" for scenario, variant in columns)],
+                 [[name] + [cell(rows[column]) for column in columns] for name, cell in BONES])
+
+
+def blocks(_):
+    with (DOCS / "charts" / "matter-blocks.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["element"] == "hexahedra"]
+    cases = {}
+    for row in rows:
+        cell, depth = float(row["cell_mm"]), float(row["depth_mm"])
+        pressed = f", {depth:g} mm deep" if depth else ""
+        cases.setdefault(f"{row['case']}{pressed}, cells of {cell:g} mm", {})[row["nu"]] = f"{100 * float(row['error']):+.1f} %"
+    ratios = sorted({row["nu"] for row in rows})
+    return table(["case", *(f"ratio {nu}" for nu in ratios)],
+                 [[name, *(errors.get(nu, "") for nu in ratios)] for name, errors in cases.items()])
+
+
+MAKERS = {"matter": matter, "spread": spread, "bones": bones, "blocks": blocks, "thresholds": thresholds, "scenario": scenario, "scenario_other": scenario_other, "live": live, "parameters": parameters}
 
 
 def main():

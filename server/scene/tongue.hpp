@@ -79,9 +79,9 @@ class Tongue {
     [[nodiscard]] static int solve_count(float blade_way, int substeps);
 
     /// Call once before a step's solves, with whether no tool is near any tissue. Some time after the last
-    /// tool has left, the tongue is drawn to its rest shape for a moment, because a mesh wound about itself or
-    /// behind a wall would stay so; contacts and its stress relaxation are forgotten meanwhile. Returns true when that begins; the tongue
-    /// must then be awake.
+    /// tool has left, the tongue is drawn to its rest shape for a moment, because a mesh wound about itself
+    /// or behind a wall would stay so; contacts and its stress relaxation are forgotten meanwhile. Returns
+    /// true when that begins; the tongue must then be awake.
     [[nodiscard]] bool update_tools_away(bool away);
     /// Whether it is being drawn to its rest shape.
     [[nodiscard]] bool is_drawn() const { return away_ > relax_begin && away_ < relax_end; }

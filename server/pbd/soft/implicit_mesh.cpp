@@ -350,8 +350,7 @@ void ImplicitMesh::add_force(const MeshContact& c, const Vec3f& force, float fac
     if (c.far_end != MeshContact::fixed_end) {
         Eigen::Vector4f on_obstacle = Eigen::Vector4f::Zero();
         on_obstacle.head<3>() = -factor * force;
-        YieldingBodies::add_transposed(bodies.far_end(c.far_end), on_obstacle,
-                                       bodies_residual_);
+        YieldingBodies::add_transposed(bodies.far_end(c.far_end), on_obstacle, bodies_residual_);
     }
 }
 
@@ -436,8 +435,7 @@ void ImplicitMesh::factorise_bodies() {
             Eigen::Vector4f square = Eigen::Vector4f::Zero();
             Eigen::Vector4f mixed = Eigen::Vector4f::Zero();
             add_block(c, c.holding_stiffness(), square, mixed);
-            YieldingBodies::add_projected(bodies.far_end(c.far_end), square,
-                                          mixed, matrix);
+            YieldingBodies::add_projected(bodies.far_end(c.far_end), square, mixed, matrix);
         }
     });
     bodies_factor_.compute(matrix);
@@ -541,9 +539,7 @@ Vec3f ImplicitMesh::displacement_of(const MeshContact& contact, const Wide& corn
     }
     if (contact.far_end != MeshContact::fixed_end) {
         Eigen::Vector4f of_obstacle;
-        put(YieldingBodies::displacement(bodies.far_end(contact.far_end),
-                                         of_bodies),
-            of_obstacle);
+        put(YieldingBodies::displacement(bodies.far_end(contact.far_end), of_bodies), of_obstacle);
         displacement -= of_obstacle;
     }
     return displacement.head<3>();

@@ -15,9 +15,9 @@ namespace eti::pbd {
 /// They are unknowns of the mesh's own step,
 ///     [ K_ff    K_fh J              ] [dx]   [residual of the free corners]
 ///     [ J^T K_hf  J^T K_hh J + matrix ] [dq] = [J^T residual of the held corners + force]
-/// so that the coupling is stable for any ratio of stiffness and mass. Obstacles that they carry, the far ends
-/// of the mesh's contacts, move with them within the step. Coordinates that are not used have a row and column
-/// of the identity.
+/// so that the coupling is stable for any ratio of stiffness and mass. Obstacles that they carry, the far
+/// ends of the mesh's contacts, move with them within the step. Coordinates that are not used have a row and
+/// column of the identity.
 struct YieldingBodies {
     static constexpr std::size_t coordinates = 7;
     using Vector = Eigen::Matrix<float, coordinates, 1>;

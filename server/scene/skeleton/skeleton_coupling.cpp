@@ -13,6 +13,7 @@ namespace {
 // [m], by which bones move before the tissue that they hold outside the mesh follows. It wakes all tissue on
 // bone.
 constexpr float hold_distance = 50e-6f;
+constexpr float at_rest = 1e-6f;           // [m], the same once the bones are at rest
 constexpr float skeleton_arm = 0.1f;       // [m], of angles
 constexpr float still_bone_speed = 1e-5f;  // [m/s], or at that arm
 constexpr float settled = 1e-5f;           // [m], or at that arm: what muscles have yet to relax
@@ -143,8 +144,8 @@ void SkeletonCoupling::begin_solve(SoftTissue& tissue, const Walls& walls, float
     bodies.far_ends.clear();
     tissue.tongue().for_wall_contacts([&](pbd::MeshContact& contact) {
         const Vec3f& at = tissue.body().particles.predicted[contact.particle[0]];
-        contact.far_end = bodies.add_far_end(
-            skeleton_.columns_at(at, walls.motion->carrier_at(walls.in_grid(at))));
+        contact.far_end =
+            bodies.add_far_end(skeleton_.columns_at(at, walls.motion->carrier_at(walls.in_grid(at))));
         Eigen::Vector4f moved;  // what the walls have yet to follow
         pbd::put(pbd::YieldingBodies::displacement(bodies.far_ends.back(), since), moved);
         contact.gap -= contact.normal.dot(moved.head<3>());
@@ -172,7 +173,7 @@ bool SkeletonCoupling::has_moved(float distance, YieldingSkeleton::Vector& last)
 }
 
 void SkeletonCoupling::hold(SoftTissue& tissue) {
-    if (!others_.empty() && has_moved(hold_distance, held_at_)) {
+    if (!others_.empty() && has_moved(needs_step() ? hold_distance : at_rest, held_at_)) {
         place(others_, tissue);
         tissue.body().sleep.wake(tissue.body().particles, others_.front().particle);
     }

@@ -92,8 +92,8 @@ class YieldingSkeleton {
     /// do not change.
     void set_muscle_tone(float tone) { passive_ = 1.0f + tone * (properties_.awake - 1.0f); }
 
-    /// From now on the passive stiffness relaxes, by one Prony term as in pbd::Relaxation; properties are those
-    /// of a sudden load. Stops, hands and the mattress do not.
+    /// From now on the passive stiffness relaxes, by one Prony term as in pbd::Relaxation; properties are
+    /// those of a sudden load. Stops, hands and the mattress do not.
     void relax(const pbd::Relaxation& relaxation) { relaxation_ = relaxation; }
     /// Where true, muscles forget past offsets within a tenth of a second.
     void set_recovering(bool recovers) { recovers_ = recovers; }

@@ -83,6 +83,9 @@ int main(int argc, char** argv) {
     lift.add_option("--path", matter.path, "Poses of the blade, instead of the committed ones");
     lift.add_option("--record", matter.record,
                     "Write the expert's lift of the first scenario to this file, and end");
+    lift.add_option("--out", matter.out,
+                    "Repeat the lifts with fixed bones, without relaxation and with other resolutions, and "
+                    "write tables to this folder");
     lift.add_option("--trace", matter.trace, "Write values over time to this file");
     lift.add_number("--substeps", matter.substeps, "Instead of the scenarios'", {0, 64});
     lift.add_number("--spacing", matter.spacing, "Spacing of particles [mm] instead of the scenarios'",

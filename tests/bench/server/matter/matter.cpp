@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <fstream>
@@ -21,6 +22,7 @@
 #include "tests/bench/server/matter/block_cases.hpp"
 #include "tests/bench/server/matter/lift_path.hpp"
 #include "tests/bench/server/matter/tissue_volume.hpp"
+#include "tests/bench/server/table.hpp"
 
 namespace eti::bench {
 
@@ -206,8 +208,10 @@ Scenario scenario_of(const MatterOptions& options, const std::string& name) {
     return scenario;
 }
 
-nlohmann::ordered_json row_of(const std::string& scenario, const std::string& method, const Lift& lift) {
+nlohmann::ordered_json row_of(const std::string& scenario, const std::string& variant,
+                              const std::string& method, const Lift& lift) {
     return {{"scenario", scenario},
+            {"variant", variant},
             {"method", method},
             {"tongue_volume_share", lift.volume.share},
             {"tongue_doubly_covered_share", lift.volume.doubly_covered / lift.volume.occupied},
@@ -247,27 +251,25 @@ double greatest_error(const nlohmann::ordered_json& blocks, const std::string& k
     return most;
 }
 
+std::string text_of(const nlohmann::ordered_json& value) {
+    if (value.is_string()) {
+        return value.get<std::string>();
+    }
+    return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value.dump();
+}
+
 void print(const nlohmann::ordered_json& rows) {
     for (const auto& row : rows) {
         std::string line;
         for (const auto& [key, value] : row.items()) {
-            line += value.is_number_float()
-                        ? fmt::format("{} {:.4g}  ", key, value.get<double>())
-                        : fmt::format("{} {}  ", key,
-                                      value.is_string() ? value.get<std::string>() : value.dump());
+            line += fmt::format("{} {}  ", key, text_of(value));
         }
         std::cout << line << std::endl;
     }
 }
 
-}  // namespace
-
-int matter(const MatterOptions& options) {
-    if (!options.record.empty()) {
-        const Scenario scenario = scenario_of(options, options.scenarios.front());
-        write_path(record_lift(scenario, app::patient_of(scenario)), options.record);
-        return 0;
-    }
+/// Replays the lift of each scenario in each method of tissue, and prints rows as they are done.
+nlohmann::ordered_json replayed_lifts(const MatterOptions& options, const char* variant) {
     nlohmann::ordered_json lifts = nlohmann::ordered_json::array();
     for (const std::string& name : options.scenarios) {
         Scenario scenario = scenario_of(options, name);
@@ -296,7 +298,7 @@ int matter(const MatterOptions& options) {
                 lift.relaxation =
                     replay(scenario, patient, read_path(committed_path(name + "_quick")), nullptr).relaxation;
             }
-            lifts.push_back(row_of(name, method, lift));
+            lifts.push_back(row_of(name, variant, method, lift));
             if (!options.json) {
                 print(nlohmann::ordered_json::array({lifts.back()}));
             }
@@ -305,8 +307,68 @@ int matter(const MatterOptions& options) {
             break;
         }
     }
+    return lifts;
+}
+
+constexpr const char* shipped = "shipped";
+
+/// Other settings of the same lift.
+struct Variant {
+    const char* name;
+    void (*set)(MatterOptions&);
+};
+constexpr std::array variants = {
+    Variant{"fixed bones", [](MatterOptions& m) { m.fixed_bones = true; }},
+    Variant{"elastic", [](MatterOptions& m) { m.elastic = true; }},
+    Variant{"4 substeps", [](MatterOptions& m) { m.substeps = 4; }},
+    Variant{"16 substeps", [](MatterOptions& m) { m.substeps = 16; }},
+    Variant{"2.5 mm", [](MatterOptions& m) { m.spacing = 2.5; }},
+    Variant{"1.5 mm", [](MatterOptions& m) { m.spacing = 1.5; }},
+};
+
+/// Writes rows as a table. Values that a row lacks stay empty.
+void write(const nlohmann::ordered_json& rows, const std::filesystem::path& folder, const std::string& name) {
+    std::vector<std::string> keys;
+    for (const auto& row : rows) {
+        for (const auto& [key, value] : row.items()) {
+            if (std::ranges::find(keys, key) == keys.end()) {
+                keys.push_back(key);
+            }
+        }
+    }
+    Table table(folder, name, fmt::format("{}", fmt::join(keys, ",")));
+    for (const auto& row : rows) {
+        std::vector<std::string> cells;
+        for (const std::string& key : keys) {
+            cells.push_back(row.contains(key) ? text_of(row.at(key)) : "");
+        }
+        table.row(fmt::format("{}", fmt::join(cells, ",")));
+    }
+}
+
+}  // namespace
+
+int matter(const MatterOptions& options) {
+    if (!options.record.empty()) {
+        const Scenario scenario = scenario_of(options, options.scenarios.front());
+        write_path(record_lift(scenario, app::patient_of(scenario)), options.record);
+        return 0;
+    }
+    nlohmann::ordered_json lifts = replayed_lifts(options, shipped);
+    if (!options.out.empty()) {
+        for (const Variant& variant : variants) {
+            MatterOptions other = options;
+            variant.set(other);
+            const auto more = replayed_lifts(other, variant.name);
+            lifts.insert(lifts.end(), more.begin(), more.end());
+        }
+    }
     const nlohmann::ordered_json blocks =
         options.no_blocks ? nlohmann::ordered_json::array() : reference_blocks(options.quick);
+    if (!options.out.empty()) {
+        write(lifts, options.out, "matter.csv");
+        write(blocks, options.out, "matter-blocks.csv");
+    }
     if (!options.json) {
         print(blocks);
         return 0;

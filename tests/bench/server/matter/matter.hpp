@@ -13,6 +13,7 @@ struct MatterOptions {
     std::vector<std::string> methods;  ///< of tissue; empty: that of each scenario
     std::filesystem::path path;        ///< of the blade; empty: the committed one of the scenario
     std::filesystem::path record;      ///< writes the expert's lift of the first scenario here instead
+    std::filesystem::path out;         ///< folder for tables of this and of other settings; empty: none
     std::filesystem::path trace;       ///< writes values over time here
     int substeps = 0;                  ///< 0: as the scenario says
     double spacing = 0.0;              ///< [mm], 0: as the scenario says
