@@ -60,8 +60,8 @@ struct MeshContact {
     }
 
     /// Updates force and slip for a displacement [m] from the predicted position, relative to that of the
-    /// obstacle. The normal force never
-    /// pulls; the tangential force stays within Coulomb's bound. A sliding point has no slip.
+    /// obstacle. The normal force never pulls; the tangential force stays within Coulomb's bound. A sliding
+    /// point has no slip.
     void update(const Vec3f& displacement) {
         const float pressing =
             std::max(0.0f, force.dot(normal) - stiffness * (gap + displacement.dot(normal)));

@@ -142,6 +142,7 @@ void SkeletonCoupling::begin_solve(SoftTissue& tissue, const Walls& walls, float
     }
     const YieldingSkeleton::Vector since = skeleton_.offset() - walls.motion->at();
     bodies.far_ends.clear();
+    bodies.far_ends.reserve(tissue.tongue().mesh().contacts.capacity());  // a step does not allocate
     tissue.tongue().for_wall_contacts([&](pbd::MeshContact& contact) {
         const Vec3f& at = tissue.body().particles.predicted[contact.particle[0]];
         contact.far_end =

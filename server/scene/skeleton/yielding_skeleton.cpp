@@ -235,7 +235,7 @@ void YieldingSkeleton::write(Bodies& bodies, float dt) const {
         const float stiffness = springs[n].stiffness;
         const float relaxing = relaxation_.share * springs[n].passive;
         bodies.matrix(c, c) +=
-            inertia[n] / (dt * dt) + p.relaxation * stiffness / dt + stiffness - follows * relaxing;
+            inertia[n] / (dt * dt) + p.damping_time * stiffness / dt + stiffness - follows * relaxing;
         bodies.force[c] += springs[n].force + inertia[n] / dt * velocity_[c] +
                            relaxing * (kept * muscle_rest_[c] + follows * offset_[c]);
     }
@@ -245,7 +245,7 @@ void YieldingSkeleton::write(Bodies& bodies, float dt) const {
     rise[head_lift] = 1.0f;
     rise[head_extension] = -p.occiput;
     bodies.force += under_head.force * rise;
-    bodies.matrix += (1.0f + p.relaxation / dt) * under_head.stiffness * rise * rise.transpose();
+    bodies.matrix += (1.0f + p.damping_time / dt) * under_head.stiffness * rise * rise.transpose();
 }
 
 void YieldingSkeleton::advance(const Vector& step, float dt) {

@@ -37,7 +37,7 @@ struct JointProperties {
     float hyoid_forward = 500.0f;   ///< [N/m], forwards and upwards
     float hyoid_range = 6e-3f;      ///< [m], along each axis; beyond it, hyoid_stop acts
     float hyoid_stop = 5e3f;        ///< [N/m]
-    float relaxation = 0.1f;        ///< [s], damping of every coordinate over its stiffness
+    float damping_time = 0.1f;      ///< [s], damping of every coordinate over its stiffness
     float hand_on_jaw = 1.0f;       ///< [N m/rad], of an assistant who holds the mouth open
     float hand_on_head = 0.5f;      ///< [N m/rad], of a roll or a hand that holds the head back
     /// Passive stiffness of neck, jaw and hyoid in a newborn awake, over that of a relaxed one.

@@ -159,7 +159,7 @@ class Report(support.Case):
         expert, novice = recording("expert"), recording("novice")
         self.page(expert, novice)
         summary = self.assert_numbers(self.cells(), expert)
-        self.assertEqual(self.text("#outcome .outcome"), "Intubated Intubated")
+        self.assertEqual(self.text("#outcome .outcome"), "Intubated Not intubated")
         # One reason, with one depth, for each attempt: the run's is the last attempt's.
         first = self.find("#outcome .columns > div")[0].text
         self.assertEqual(len(summary["attempts"]), 1)

@@ -247,7 +247,7 @@ TEST(YieldingSkeleton, MusclesCreepAsAStandardLinearSolid) {
 
 TEST(YieldingSkeleton, SwingsAtItsNaturalFrequency) {
     JointProperties undamped;
-    undamped.relaxation = 0.0f;
+    undamped.damping_time = 0.0f;
     undamped.jaw_slide_stop = 0.0f;
     BareSkeleton bare(undamped);
     const float stiffness = undamped.jaw_slide * bare.size;
