@@ -179,7 +179,8 @@ soak() {
 
 measure() {
     case $1 in
-        accuracy | calibration | matter | stability | sleep) bench "$1" --threads 1 "$1" ;;
+        accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
+        matter) bench "$1" --threads 1 "$1" && "$ETI_PYTHON" -B "$ETI_ROOT/docs/tables.py" >&2 ;;
         sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
         haptics) bench "$1" "$1" --whole-grid ;;
         bus) bench "$1" "$1" --soak 60 ;;

@@ -30,7 +30,7 @@ struct YieldingBodies {
     Matrix matrix = Matrix::Identity();
     Vector force = Vector::Zero();  ///< generalised force at the beginning of the step
     std::vector<Columns>
-        jacobian;  ///< [held corners], in the order of ImplicitMesh::held(); empty: none yields
+        jacobian;  ///< [held corners], in the order of ImplicitMesh::held()
     std::vector<Columns> far_ends;  ///< Jacobians of contacts' far ends
     Vector step = Vector::Zero();   ///< result: increment of the coordinates
     [[nodiscard]] const Columns& far_end(std::int32_t number) const {
@@ -41,7 +41,7 @@ struct YieldingBodies {
         far_ends.push_back(columns);
         return static_cast<std::int32_t>(far_ends.size()) - 1;
     }
-    [[nodiscard]] bool yield() const { return !jacobian.empty(); }
+    [[nodiscard]] bool yield() const { return !jacobian.empty() || !far_ends.empty(); }
 
     [[nodiscard]] static Float4 displacement(const Columns& columns, const Vector& of) {
         Float4 sum{};
