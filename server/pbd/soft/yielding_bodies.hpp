@@ -29,8 +29,7 @@ struct YieldingBodies {
     /// definite. Units are newton (or newton metre) per unit of the coordinates.
     Matrix matrix = Matrix::Identity();
     Vector force = Vector::Zero();  ///< generalised force at the beginning of the step
-    std::vector<Columns>
-        jacobian;  ///< [held corners], in the order of ImplicitMesh::held()
+    std::vector<Columns> jacobian;  ///< [held corners], in the order of ImplicitMesh::held()
     std::vector<Columns> far_ends;  ///< Jacobians of contacts' far ends
     Vector step = Vector::Zero();   ///< result: increment of the coordinates
     [[nodiscard]] const Columns& far_end(std::int32_t number) const {
