@@ -82,16 +82,12 @@ def lifts():
         return {(row["scenario"], row["variant"]): row for row in csv.DictReader(file)}
 
 
-def share(row, key):
-    return f"{100 * float(row[key]):.3g} %"
-
-
 def value(key, unit="", digits=3):
     return lambda row: " ".join(filter(None, [f"{float(row[key]):.{digits}g}", unit]))
 
 
 def percent(key):
-    return lambda row: share(row, key)
+    return lambda row: f"{100 * float(row[key]):.3g} %"
 
 
 # What a replayed lift shows: name, goal, cell.
@@ -165,7 +161,8 @@ def blocks(_):
                  [[name, *(errors.get(nu, "") for nu in ratios)] for name, errors in cases.items()])
 
 
-MAKERS = {"matter": matter, "spread": spread, "bones": bones, "blocks": blocks, "thresholds": thresholds, "scenario": scenario, "scenario_other": scenario_other, "live": live, "parameters": parameters}
+MAKERS = {"matter": matter, "spread": spread, "bones": bones, "blocks": blocks, "thresholds": thresholds, "scenario": scenario,
+          "scenario_other": scenario_other, "live": live, "parameters": parameters}
 
 
 def main():
