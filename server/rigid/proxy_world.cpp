@@ -99,20 +99,23 @@ void RigidLayer::World::build_tool(const Laryngoscope& scope) {
     world.addRigidBody(blade.get(), btBroadphaseProxy::KinematicFilter, 0);
 }
 
-void RigidLayer::World::bound_triangles() {
-    centroids.resize(triangles.size());
-    extents.resize(triangles.size());
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const Triangle& t = triangles[i];
-        centroids[i] = (vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3.0f;
-        extents[i] = std::sqrt(std::max({(vertices[t[0]] - centroids[i]).squaredNorm(),
-                                         (vertices[t[1]] - centroids[i]).squaredNorm(),
-                                         (vertices[t[2]] - centroids[i]).squaredNorm()}));
+void RigidLayer::World::move_shell(std::span<const Vec3f> moved) {
+    float farthest = 0.0f;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+        const Vec3f place = to_cm * moved[i];
+        farthest = std::max(farthest, (place - vertices[i]).squaredNorm());
+        vertices[i] = place;
+    }
+    travel += static_cast<double>(std::sqrt(farthest));
+    if (travel - hierarchy_travel > double{hierarchy_slack}) {
+        hierarchy_travel = travel;
+        const auto [low, high] = bounds();
+        shell_shape->refit(low, high);
+        world.updateSingleAabb(shell.get());
     }
 }
 
 void RigidLayer::World::build_shell() {
-    bound_triangles();
     static_assert(sizeof(Triangle) == 3 * sizeof(int) && sizeof(Vec3f) == 3 * sizeof(btScalar));
     shell_mesh = std::make_unique<btTriangleIndexVertexArray>(
         static_cast<int>(triangles.size()), reinterpret_cast<int*>(triangles.data()),
@@ -156,8 +159,13 @@ void RigidLayer::World::place(const RigidTransform& pose) {
 }
 
 bool RigidLayer::World::may_touch(std::uint32_t triangle, const Capsule& capsule, float within) const {
-    const float limit = within + extents[triangle];
-    return offset_from_segment(capsule.a, capsule.b, centroids[triangle]).squaredNorm() <= limit * limit;
+    const auto& [a, b, c] = triangles[triangle];
+    const Vec3f centroid = (vertices[a] + vertices[b] + vertices[c]) / 3.0f;
+    const float extent =
+        std::sqrt(std::max({(vertices[a] - centroid).squaredNorm(), (vertices[b] - centroid).squaredNorm(),
+                            (vertices[c] - centroid).squaredNorm()}));
+    const float limit = within + extent;
+    return offset_from_segment(capsule.a, capsule.b, centroid).squaredNorm() <= limit * limit;
 }
 
 // The bounding box of a long oblique capsule contains many times the triangles near it; boxes of short pieces
@@ -181,7 +189,7 @@ void RigidLayer::World::find_near(const Capsule& capsule, float within, std::vec
     } collector(*this, capsule, within, found);
     found.clear();
     const int pieces = std::max(1, static_cast<int>(std::ceil(axis.norm() / piece_length)));
-    const Vec3f room = Vec3f::Constant(within);
+    const Vec3f room = Vec3f::Constant(within + hierarchy_slack);
     for (int i = 0; i < pieces; ++i) {
         const Vec3f from = capsule.a + static_cast<float>(i) / static_cast<float>(pieces) * axis;
         const Vec3f to = capsule.a + static_cast<float>(i + 1) / static_cast<float>(pieces) * axis;
@@ -196,9 +204,10 @@ void RigidLayer::World::find_near(const Capsule& capsule, float within, std::vec
 void RigidLayer::World::find_triangles(std::size_t number, const Capsule& capsule, float margin) {
     Surroundings& about = surroundings[number];
     const float gone = std::max((capsule.a - about.a).norm(), (capsule.b - about.b).norm());
-    if (!about.known || !(gone <= surroundings_slack)) {
+    if (!about.known || !(double{gone} + travel - about.travel <= double{surroundings_slack})) {
         about.a = capsule.a;
         about.b = capsule.b;
+        about.travel = travel;
         about.known = true;
         find_near(capsule, capsule.radius + margin + surroundings_slack, about.triangles);
     }

@@ -53,7 +53,8 @@ struct RigidLayer::World {
 
     void build_tool(const Laryngoscope& scope);
     void build_shell();
-    void bound_triangles();
+    /// Moves the shell; `moved` [vertices][m]. The hierarchy follows when it must.
+    void move_shell(std::span<const Vec3f> moved);
     void place(const RigidTransform& pose);
     void gather_contacts();
     void apply_coupling(const RigidTransform& target, float dt);
@@ -76,8 +77,6 @@ struct RigidLayer::World {
     float reach = 0.0f;               // [cm], greatest distance of a point of the tool from its origin
     float smallest_radius = 0.0f;     // [cm]
     std::vector<Vec3f> vertices;      // [cm]
-    std::vector<Vec3f> centroids;     // [cm], of the triangles
-    std::vector<float> extents;       // [cm], from the centroid to the farthest corner
     std::vector<Triangle> triangles;
     std::vector<Tissue> tissue;
     MeshTopology topology;
@@ -103,13 +102,18 @@ struct RigidLayer::World {
     Vec3f device_angular_velocity = Vec3f::Zero();  // [rad/s]
     ProxyResult result;
     std::vector<std::uint32_t> nearby;  // candidate triangles of a capsule
-    /// Candidate triangles of a capsule, valid while neither end is more than surroundings_slack from these.
+    /// Candidate triangles of a capsule, valid while its ends and the shell have together moved by at most
+    /// surroundings_slack from these.
     struct Surroundings {
         bool known = false;
         Vec3f a = Vec3f::Zero(), b = Vec3f::Zero();  // [cm]
+        double travel = 0.0;                         // [cm], the shell's
         std::vector<std::uint32_t> triangles;
     };
     static constexpr float surroundings_slack = 0.15f;  // [cm]
+    static constexpr float hierarchy_slack = 0.05f;     // [cm], by which the shell may leave its hierarchy
+    double travel = 0.0;  // [cm], sum of the greatest distances of a vertex in all moves
+    double hierarchy_travel = 0.0;
     std::array<Surroundings, 3> surroundings;
     bool embedded = false;                  // the step began deeper in the shell than contacts can resolve
     std::vector<std::uint32_t> merge_keys;  // capsule index of each entry of result.contacts

@@ -68,19 +68,8 @@ RigidLayer::RigidLayer(RigidLayer&&) noexcept = default;
 RigidLayer& RigidLayer::operator=(RigidLayer&&) noexcept = default;
 
 void RigidLayer::move_shell(std::span<const Vec3f> vertices) {
-    World& w = *world_;
-    if (!w.shell_shape || vertices.size() != w.vertices.size()) {
-        return;
-    }
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        w.vertices[i] = to_cm * vertices[i];
-    }
-    w.bound_triangles();
-    const auto [low, high] = w.bounds();
-    w.shell_shape->refit(low, high);
-    w.world.updateSingleAabb(w.shell.get());
-    for (World::Surroundings& about : w.surroundings) {
-        about.known = false;
+    if (world_->shell_shape && vertices.size() == world_->vertices.size()) {
+        world_->move_shell(vertices);
     }
 }
 

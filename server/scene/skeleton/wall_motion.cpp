@@ -68,16 +68,12 @@ WallMotion::WallMotion(std::span<const Vec3f> posed, std::span<const Carrier> ca
         }
         carrier.hyoid /= weights[n];
         if (carrier.bones[0] < 1.0f || carrier.hyoid > 0.0f) {
-            nodes_.push_back(n);
+            const std::size_t row = n / size_[0];
+            nodes_.push_back({n, origin_ + lattice_spacing * Vec3f(static_cast<float>(n % size_[0]),
+                                                                   static_cast<float>(row % size_[1]),
+                                                                   static_cast<float>(row / size_[1]))});
         }
     }
-}
-
-Vec3f WallMotion::position_of(std::size_t number) const {
-    const std::size_t row = number / size_[0];
-    return origin_ + lattice_spacing * Vec3f(static_cast<float>(number % size_[0]),
-                                             static_cast<float>(row % size_[1]),
-                                             static_cast<float>(row / size_[1]));
 }
 
 void WallMotion::update(const YieldingSkeleton& skeleton) {
@@ -87,12 +83,13 @@ void WallMotion::update(const YieldingSkeleton& skeleton) {
     }
     float farthest = 0.0f;
     float most = 0.0f;
-    for (const std::uint32_t n : nodes_) {
+    for (const auto& [n, at] : nodes_) {
         const Carrier& carrier = carrier_[n];
-        const Vec3f at = position_of(n);
         Vec3f to = -at;
         for (std::size_t b = 0; b < patient::bone_count; ++b) {
-            to += carrier.bones[b] * (since[b] * at);
+            if (carrier.bones[b] > 0.0f) {
+                to += carrier.bones[b] * (since[b] * at);
+            }
         }
         if (carrier.hyoid > 0.0f) {
             to += carrier.hyoid * (skeleton.offset() - reference_).segment<3>(YieldingSkeleton::hyoid_left);

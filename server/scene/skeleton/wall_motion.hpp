@@ -51,11 +51,14 @@ class WallMotion {
     template <class Body>
     void for_nodes_around(const Vec3f& point, const Body& body) const;
     [[nodiscard]] Vec3f displacement(const Vec3f& point) const;
-    [[nodiscard]] Vec3f position_of(std::size_t number) const;
 
     Vec3f origin_ = Vec3f::Zero();  // [m]
     std::array<std::size_t, 3> size_{};
-    std::vector<std::uint32_t> nodes_;   // those near a wall that moves
+    struct Node {
+        std::uint32_t number;
+        Vec3f position;  // [m]
+    };
+    std::vector<Node> nodes_;            // those near a wall that moves
     std::vector<Vec3f> displacement_;    // [lattice nodes][m]
     patient::BonePoses from_reference_;  // inverse poses of the bones in the reference configuration
     YieldingSkeleton::Vector reference_ = YieldingSkeleton::Vector::Zero();

@@ -404,6 +404,36 @@ TEST(RigidLayer, MovingShellCarriesTheProxy) {
     EXPECT_NEAR(layer.result().force.y(), settings.stiffness * 0.02f, 0.01f * settings.stiffness * 0.02f);
 }
 
+// Candidates and their hierarchy follow a creeping shell late.
+TEST(RigidLayer, CreepingShellIsMetAsOneBuiltThere) {
+    TriangleMesh shell = floor_mesh(0.4f, 20);
+    RigidLayer crept(rod_scope(), shell, tissue_of(shell));
+    const RigidTransform above = at_height(0.02f);
+    crept.reset(above);
+    for (int i = 0; i < 500; ++i) {
+        for (Vec3f& vertex : shell.vertices) {
+            vertex += Vec3f(0.02f, 0.03f + 0.1f * vertex.x(), 0.01f) * millimetre;
+        }
+        crept.move_shell(shell.vertices);
+        crept.step(above, dt);
+        ASSERT_TRUE(crept.result().contacts.empty());
+    }
+    RigidLayer fresh(rod_scope(), shell, tissue_of(shell));
+    std::size_t met = 0;
+    for (RigidLayer* layer : {&crept, &fresh}) {
+        layer->reset(above);
+    }
+    for (int i = 0; i < 180; ++i) {
+        for (RigidLayer* layer : {&crept, &fresh}) {
+            layer->step(at_height(0.015f - 0.1e-3f * static_cast<float>(i)), dt);
+        }
+        ASSERT_EQ(crept.result().contacts.size(), fresh.result().contacts.size()) << i;
+        ASSERT_EQ(crept.result().force, fresh.result().force) << i;
+        met += fresh.result().contacts.size();
+    }
+    EXPECT_GT(met, 100u);
+}
+
 TEST(RigidLayer, ProxyInsideTheShellComesFree) {
     const TriangleMesh shell = box_mesh({-0.1f, -0.05f, -0.1f}, {0.1f, 0.0f, 0.1f}, 20);
     RigidLayer layer(rod_scope(), shell, tissue_of(shell));
