@@ -83,7 +83,8 @@ void GlotticViewer::block(SightLines& lines, const Occluder::DeformedState& tiss
         block_by_tube(lines, snapshot.tube_nodes);
     }
     if (laryngoscope_) {
-        const FrameMap held = frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
+        const WideFrameMap held =
+            frame_map({snapshot.proxy.translation, snapshot.proxy.rotation}, Vec3f::Zero());
         Occluder::RecentBlocks of_the_blade;  // a small mesh: tested in full each time
         laryngoscope_->block(lines, {.frames = std::span(&held, 1)}, of_the_blade);
     }
@@ -123,14 +124,21 @@ GlotticView GlotticViewer::evaluate(const scene::Snapshot& snapshot, const Vec3f
     if (snapshot.frames.size() != rest_centres_.size()) {
         return view;
     }
+    for (Occluder& surface : surfaces_) {
+        surface.forget();
+    }
+    if (laryngoscope_) {
+        laryngoscope_->forget();
+    }
     std::vector<FrameMap> frames(rest_centres_.size());
     std::ranges::transform(snapshot.frames, rest_centres_, frames.begin(), frame_map);
+    const std::vector<WideFrameMap> wide(frames.begin(), frames.end());
     const LipRetraction lips = lip_retraction(from, snapshot.landmarks);
     const std::vector<Vec3f> samples = sample_polygon(snapshot.glottis_contour, settings_.samples);
     SightLines to_glottis(from, samples, settings_.tolerance);
     const PosedBladeClearanceDeformer pressed =
         blade_clearance_for(scope_, snapshot.proxy, snapshot.landmarks);
-    const Occluder::DeformedState tissue{frames, pressed, &lips};
+    const Occluder::DeformedState tissue{wide, pressed, &lips};
     block(to_glottis, tissue, snapshot, glottis_occluders_);
     view.opening_percent = to_glottis.open_percent();
     if (view.opening_percent > 0.0f) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace eti::metrics {
@@ -66,15 +67,29 @@ SightLines::SightLines(const Vec3f& eye, std::span<const Vec3f> targets, float t
 void SightLines::restrict_to_open_lines() {
     low_.setConstant(1e9f);
     high_.setConstant(-1e9f);
+    tested_.resize(3, static_cast<Eigen::Index>(open_));
+    Eigen::Index tested = 0;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         if (blocked_[i] == 0) {
             low_ = low_.cwiseMin(image_[i]);
             high_ = high_.cwiseMax(image_[i]);
+            tested_.col(tested++) = lines_[i].normalized();
         }
     }
 }
 
-bool SightLines::may_meet(const Vec3f& centre, float radius) const {
+bool SightLines::may_meet_line(const Vec3f& centre, float radius) const {
+    // Room for rounding, and for triangles that reach a little beyond their edges (block_by_triangle).
+    constexpr float room = 1e-5f;  // [m]
+    if (tested_.cols() == 0) {
+        return false;
+    }
+    const float along = (centre.transpose() * tested_).array().square().maxCoeff();  // the greatest, squared
+    const float squared = centre.squaredNorm();
+    return squared - along <= (radius + room) * (radius + room) + 1e-6f * squared;
+}
+
+bool SightLines::may_meet_cone(const Vec3f& centre, float radius) const {
     if (centre.z() - radius > farthest_ || centre.z() + radius < 0.0f) {
         return false;
     }
@@ -201,6 +216,8 @@ void SightLines::block_by_cut_cylinder(const Vec3f& a, const Vec3f& b, float rad
 Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     : rest_(mesh.vertices),
       skin_(skin.begin(), skin.end()),
+      skinned_(mesh.vertices.size(), Vec3f::Zero()),
+      skinned_in_(mesh.vertices.size(), 0),
       seen_(mesh.vertices.size(), Vec3f::Zero()),
       seen_in_(mesh.vertices.size(), 0) {
     if (mesh.triangles.empty()) {
@@ -221,41 +238,66 @@ Occluder::Occluder(const TriangleMesh& mesh, std::span<const SkinWeights> skin)
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return code[a] < code[b]; });
+    // Vertices in the order of the triangles that use them.
+    constexpr std::uint32_t unused = ~0u;
+    std::vector<std::uint32_t> renumbered(rest_.size(), unused);
+    std::uint32_t count = 0;
     for (const std::size_t index : order) {
-        triangles_.push_back(mesh.triangles[index]);
+        Triangle& triangle = triangles_.emplace_back(mesh.triangles[index]);
+        for (std::uint32_t& vertex : triangle) {
+            if (renumbered[vertex] == unused) {
+                rest_[count] = mesh.vertices[vertex];
+                skin_[count] = skin[vertex];
+                renumbered[vertex] = count++;
+            }
+            vertex = renumbered[vertex];
+        }
     }
     for (std::size_t first = 0; first < triangles_.size(); first += block_size) {
-        Block block;
-        block.first_triangle = static_cast<std::uint32_t>(first);
-        block.end_triangle = static_cast<std::uint32_t>(std::min(first + block_size, triangles_.size()));
-        block.first_frame = static_cast<std::uint32_t>(frames_.size());
-        const std::span<const Triangle> members(triangles_.data() + first,
-                                                block.end_triangle - block.first_triangle);
-        Vec3f block_low = rest_[members[0][0]];
-        Vec3f block_high = block_low;
-        std::vector<std::uint16_t> used;
-        for (const Triangle& t : members) {
-            for (const std::uint32_t vertex : t) {
-                block_low = block_low.cwiseMin(rest_[vertex]);
-                block_high = block_high.cwiseMax(rest_[vertex]);
-                for (std::size_t k = 0; k < frames_per_point; ++k) {
-                    if (skin_[vertex].weight[k] > 0.0f) {
-                        used.push_back(skin_[vertex].frame[k]);
-                    }
-                }
+        add_block(first, std::min(first + block_size, triangles_.size()));
+    }
+}
+
+void Occluder::add_block(std::size_t first, std::size_t end) {
+    Block& block = blocks_.emplace_back();
+    block.first_triangle = static_cast<std::uint32_t>(first);
+    block.end_triangle = static_cast<std::uint32_t>(end);
+    block.first_frame = static_cast<std::uint32_t>(frames_.size());
+    std::vector<std::uint32_t> vertices;
+    for (const Triangle& t : std::span(triangles_).subspan(first, end - first)) {
+        vertices.insert(vertices.end(), t.begin(), t.end());
+    }
+    std::ranges::sort(vertices);
+    const auto repeated = std::ranges::unique(vertices);
+    vertices.erase(repeated.begin(), repeated.end());
+    Vec3f low = rest_[vertices[0]];
+    Vec3f high = low;
+    std::map<std::uint16_t, float> mean;
+    for (const std::uint32_t vertex : vertices) {
+        low = low.cwiseMin(rest_[vertex]);
+        high = high.cwiseMax(rest_[vertex]);
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
+            if (skin_[vertex].weight[k] > 0.0f) {
+                mean[skin_[vertex].frame[k]] += skin_[vertex].weight[k] / static_cast<float>(vertices.size());
             }
         }
-        std::sort(used.begin(), used.end());
-        used.erase(std::unique(used.begin(), used.end()), used.end());
-        frames_.insert(frames_.end(), used.begin(), used.end());
-        block.end_frame = static_cast<std::uint32_t>(frames_.size());
-        block.centre = 0.5f * (block_low + block_high);
-        for (const Triangle& t : members) {
-            for (const std::uint32_t vertex : t) {
-                block.radius = std::max(block.radius, (rest_[vertex] - block.centre).norm());
-            }
+    }
+    for (const auto& [frame, weight] : mean) {
+        frames_.push_back({frame, weight});
+    }
+    block.end_frame = static_cast<std::uint32_t>(frames_.size());
+    block.centre = 0.5f * (low + high);
+    for (const std::uint32_t vertex : vertices) {
+        block.radius = std::max(block.radius, (rest_[vertex] - block.centre).norm());
+        std::map<std::uint16_t, float> difference = mean;
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
+            difference[skin_[vertex].frame[k]] -= skin_[vertex].weight[k];
         }
-        blocks_.push_back(block);
+        float unlike = 0.0f;
+        for (const auto& [frame, weight] : difference) {
+            unlike += 0.5f * std::fabs(weight);
+        }
+        block.unlike = std::max(block.unlike, unlike);
     }
 }
 
@@ -273,18 +315,10 @@ void Occluder::block(SightLines& lines, const DeformedState& posture, RecentBloc
     }
 }
 
-bool Occluder::may_hide(const Block& block, const SightLines& lines, const DeformedState& posture) const {
-    Vec3f low = Vec3f::Constant(1e9f);
-    Vec3f high = Vec3f::Constant(-1e9f);
-    for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
-        const Vec3f image = posture.frames[frames_[k]] * block.centre;
-        low = low.cwiseMin(image);
-        high = high.cwiseMax(image);
-    }
-    const Vec3f centre = 0.5f * (low + high);
-    float radius = block.radius + 0.5f * (high - low).norm();
-    if (posture.pressed && posture.pressed->may_move(centre, radius)) {
-        radius += posture.pressed->give_way.reach();
+bool Occluder::may_meet(const SightLines& lines, const DeformedState& posture, const Vec3f& centre,
+                        float radius) {
+    if (posture.pressed) {
+        radius += posture.pressed->reach(centre, radius);
     }
     if (posture.lips != nullptr && posture.lips->moves(centre, radius)) {
         radius += posture.lips->reach();
@@ -292,25 +326,66 @@ bool Occluder::may_hide(const Block& block, const SightLines& lines, const Defor
     return lines.may_meet(lines.to_eye_frame(centre), radius);
 }
 
+bool Occluder::may_hide(const Block& block, const SightLines& lines, const DeformedState& posture) const {
+    Eigen::Vector4f low = Eigen::Vector4f::Constant(1e9f);
+    Eigen::Vector4f high = Eigen::Vector4f::Constant(-1e9f);
+    Eigen::Vector4f centre = Eigen::Vector4f::Zero();
+    for (std::uint32_t k = block.first_frame; k < block.end_frame; ++k) {
+        const Eigen::Vector4f image = posture.frames[frames_[k].frame] * block.centre;
+        low = low.cwiseMin(image);
+        high = high.cwiseMax(image);
+        centre += frames_[k].weight * image;
+    }
+    return may_meet(lines, posture, centre.head<3>(), block.radius + block.unlike * (high - low).norm());
+}
+
+const Vec3f& Occluder::skinned(std::uint32_t vertex, const DeformedState& posture) {
+    if (skinned_in_[vertex] != deformation_) {
+        skinned_in_[vertex] = deformation_;
+        const SkinWeights& skin = skin_[vertex];
+        Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+        for (std::size_t k = 0; k < frames_per_point; ++k) {
+            if (skin.weight[k] > 0.0f) {
+                sum += skin.weight[k] * (posture.frames[skin.frame[k]] * rest_[vertex]);
+            }
+        }
+        skinned_[vertex] = sum.head<3>();
+    }
+    return skinned_[vertex];
+}
+
 bool Occluder::block_by(const Block& block, SightLines& lines, const DeformedState& posture) {
     if (!may_hide(block, lines, posture)) {
         return false;
     }
-    const auto& [frames, pressed, lips] = posture;
+    const std::span members(triangles_.begin() + block.first_triangle,
+                            triangles_.begin() + block.end_triangle);
+    Vec3f low = Vec3f::Constant(1e9f);
+    Vec3f high = Vec3f::Constant(-1e9f);
+    for (const Triangle& triangle : members) {
+        for (const std::uint32_t vertex : triangle) {
+            const Vec3f& place = skinned(vertex, posture);
+            low = low.cwiseMin(place);
+            high = high.cwiseMax(place);
+        }
+    }
+    if (!may_meet(lines, posture, 0.5f * (low + high), 0.5f * (high - low).norm())) {
+        return false;
+    }
     const auto see = [&](std::uint32_t vertex) -> const Vec3f& {
         if (seen_in_[vertex] != call_) {
             seen_in_[vertex] = call_;
-            Vec3f place = skin_point(rest_[vertex], skin_[vertex], frames);
-            if (pressed) {
-                place = (*pressed)(place);
+            Vec3f place = skinned_[vertex];
+            if (posture.pressed) {
+                place = (*posture.pressed)(place);
             }
-            seen_[vertex] = lines.to_eye_frame(lips != nullptr ? lips->retract_lips(place) : place);
+            seen_[vertex] =
+                lines.to_eye_frame(posture.lips != nullptr ? posture.lips->retract_lips(place) : place);
         }
         return seen_[vertex];
     };
     const std::size_t before = lines.open();
-    for (std::uint32_t t = block.first_triangle; t < block.end_triangle; ++t) {
-        const Triangle& triangle = triangles_[t];
+    for (const Triangle& triangle : members) {
         lines.block_by_triangle(see(triangle[0]), see(triangle[1]), see(triangle[2]));
     }
     return lines.open() < before;

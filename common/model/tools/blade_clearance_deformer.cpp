@@ -58,6 +58,16 @@ bool BladeClearanceDeformer::moves(const Vec3f& centre, float radius) const {
     return where().squaredExteriorDistance(centre) <= radius * radius;
 }
 
+float BladeClearanceDeformer::reach(const Vec3f& centre, float radius) const {
+    if (!moves(centre, radius)) {
+        return 0.0f;
+    }
+    const bool at_lips = aside > 0.0f && centre.z() - radius < lips_end + lips_fade;
+    const bool above = centre.y() - radius > std::max(plate.high, plate.low) + lip + beside;
+    const bool at_tip = centre.z() + radius > plate.length - tip_begins;
+    return (above ? 0.0f : most + edge_aside + (at_tip ? tip_past : 0.0f)) + (at_lips ? aside : 0.0f);
+}
+
 Vec3f BladeClearanceDeformer::operator()(const Vec3f& point) const {
     if (!where().contains(point)) {
         return point;
@@ -133,10 +143,6 @@ Vec3f BladeClearanceDeformer::push_off_face(Vec3f p) const {
     const float met = std::max(easing - std::fabs(left - stays), 0.0f);
     p.y() += on_plate * (in - std::min(left, stays) + met * met / (4.0f * easing));
     return p;
-}
-
-bool PosedBladeClearanceDeformer::may_move(const Vec3f& centre, float radius) const {
-    return give_way.moves(tool.inverse() * centre, radius);
 }
 
 PosedBladeClearanceDeformer blade_clearance_for(const Laryngoscope& scope, const RigidTransform& tool,

@@ -83,6 +83,8 @@ struct BladeClearanceDeformer {
 
     /// Largest displacement of any point [m].
     [[nodiscard]] float reach() const { return most + aside + edge_aside + tip_past; }
+    /// The same of points within `radius` [m] of `centre`; tool frame. 0 if none moves.
+    [[nodiscard]] float reach(const Vec3f& centre, float radius) const;
     /// Points outside this box [m] do not move; tool frame.
     [[nodiscard]] Eigen::AlignedBox3f where() const;
     /// Whether any point within `radius` [m] of `centre` may move; tool frame.
@@ -105,8 +107,10 @@ struct PosedBladeClearanceDeformer {
     [[nodiscard]] Vec3f operator()(const Vec3f& point) const {
         return tool * give_way(tool.inverse() * point);
     }
-    /// False when no point within `radius` of `centre` moves.
-    [[nodiscard]] bool may_move(const Vec3f& centre, float radius) const;
+    /// Largest displacement [m] of points within `radius` of `centre`; 0 if none moves.
+    [[nodiscard]] float reach(const Vec3f& centre, float radius) const {
+        return give_way.reach(tool.inverse() * centre, radius);
+    }
 };
 
 /// The deformer of a laryngoscope at a pose, for a mouth with these landmarks.

@@ -167,7 +167,7 @@ TEST_P(BladeClearanceDeformerTest, AffectedRegionCoversDisplacements) {
             const bool moves = give_way.moves(centre, 4e-3f);
             left += moves ? 0 : 1;
             const float way = (give_way(place) - place).norm();
-            EXPECT_LE(way, give_way.reach());
+            EXPECT_LE(way, give_way.reach(place, 0.0f));
             if (way > 0.0f) {
                 ++moved;
                 EXPECT_TRUE(moves) << place.transpose();
