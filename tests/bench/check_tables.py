@@ -17,54 +17,38 @@ from pathlib import Path
 import plot_accuracy
 import plot_haptics
 import plot_stability
+import plotting
 from plotting import SHIPPED_TONGUE, rows_of
-from stability_cells import ABSENT, shipped_cells
+from stability_cells import shipped_cells
 
 ROOT = Path(__file__).resolve().parents[2]
 CHARTS = ROOT / "docs/charts"
 
-XPBD = "tetrahedra, XPBD"
-CLUSTERS = "clusters, calibrated on the tongue"
 
 
 class Accuracy(unittest.TestCase):
-    def test_shipped_method_is_pareto_optimal(self):
-        """Force and shape of the patient's tongue under the blade, on the shipped mesh."""
-        for case in plot_accuracy.TONGUE:
-            rows = [row for row in plot_accuracy.read(CHARTS / "accuracy.csv") if row["case"] == case and row["spacing"] == 2.0]
-            shipped, = (row for row in rows if plot_accuracy.is_star(row))
-            for row in rows:
-                self.assertFalse(row["method"] != shipped["method"] and row["cost"] <= shipped["cost"] and
-                                 row["error"] <= shipped["error"], row)
+    def setUp(self):
+        self.rows = plot_accuracy.read(CHARTS / "accuracy.csv")
 
-    def test_pressed_tongue_meets_documented_fem_error(self):
-        rows = plot_accuracy.read(CHARTS / "accuracy.csv")
-        error = {row["case"]: row["error"] for row in rows if plot_accuracy.is_star(row) and row["spacing"] == 2.0}
-        for case in ("tongue-force", "tongue-shape"):
-            self.assertLess(error[case], 0.006, case)
+    def test_no_other_method_is_as_accurate_in_every_case(self):
+        """Of those on the same spacing, at any cost."""
+        worst = {}
+        for row in self.rows:
+            if row["case"] in plot_accuracy.BLOCKS and row["spacing"] == 2.5:
+                key = row["method"], plot_accuracy.setting(row)
+                worst[key] = max(worst.get(key, 0.0), row["error"])
+        shipped = worst[SHIPPED_TONGUE, plotting.SHIPPED[SHIPPED_TONGUE]]
+        others = {key: error for key, error in worst.items() if key[0] != SHIPPED_TONGUE}
+        self.assertGreater(min(others.values()), 1.5 * shipped, others)
+
+    def test_shipped_tongue_is_close_to_references(self):
+        error = {row["case"]: row["error"] for row in self.rows
+                 if row["method"] == SHIPPED_TONGUE and plot_accuracy.is_star(row)}
+        for case, most in (("bar", 0.04), ("sphere", 0.07), ("blade", 0.15)):
+            self.assertLess(error[case], most, case)
 
     def test_every_method_has_a_chart_colour(self):
-        methods = {row["method"] for row in plot_accuracy.read(CHARTS / "accuracy.csv")}
-        self.assertEqual(methods, set(plot_accuracy.COLOURS))
-
-    def test_calibrated_clusters_match_fem_force(self):
-        """Where their modulus can be reached: at the shipped substeps, on the spacing nearest to the scene's."""
-        found = 0
-        for row in plot_accuracy.read(CHARTS / "accuracy.csv"):
-            if (row["method"], *plot_accuracy.setting(row)) == ("clusters, calibrated by indentation", 2.5, 8, 1) and \
-                    row["case"] in ("sphere", "blade", "hertz"):
-                found += 1
-                self.assertLess(row["error"], 0.2, row)
-        self.assertEqual(found, 3)
-
-    def test_tongue_calibration_yields_nominal_modulus(self):
-        """4 mm deep, from 8 substeps on, where at most two fifths of the reachable modulus are requested: within 2 %."""
-        with (CHARTS / "accuracy-forces.csv").open(newline="") as file:
-            rows = [row for row in csv.DictReader(file) if row["case"] == "tongue" and row["method"] == CLUSTERS and
-                    row["depth_mm"] == "4" and row["substeps"] != "4"]
-        self.assertEqual(len(rows), 4)
-        for row in rows:
-            self.assertAlmostEqual(float(row["force_n"]) / float(row["reference_n"]), 1.0, delta=0.02, msg=row)
+        self.assertEqual({row["method"] for row in self.rows}, set(plot_accuracy.COLOURS))
 
 
 class Calibration(unittest.TestCase):
@@ -91,30 +75,15 @@ class Stability(unittest.TestCase):
         shipped = shipped_cells(rows)
         self.assertEqual({row["map"] for row in shipped}, {row["map"] for row in rows})
         self.assertGreaterEqual(len(shipped), 150)
-        maps = {row["map"] for row in shipped if row["method"] == SHIPPED_TONGUE}
-        self.assertEqual(maps, {row["map"] for row in rows if row["method"] == XPBD})
         for row in shipped:
             self.assertNotEqual(row["fate"], "fails", row)
             if row["rotation_error"]:
                 self.assertLess(float(row["rotation_error"]), 1e-6, row)
 
-    def test_implicit_tongue_is_stable_wherever_xpbd_is(self):
-        """And in more cases, except for the starts that end in knots."""
-        rows = [row for row in rows_of(CHARTS / "stability.csv") if (row["map"], row["row"]) not in
-                {("disturbance", start) for start in ABSENT["disturbance", SHIPPED_TONGUE]}]
-        before = {(row["map"], row["row"]): row["fate"] for row in rows
-                  if row["method"] == XPBD and row["column"] == plot_stability.SHIPPED_STEP}
-        now = {(row["map"], row["row"]): row["fate"] for row in rows
-               if row["method"] == SHIPPED_TONGUE and plot_stability.is_shipped(row)}
-        self.assertEqual(set(before), set(now))
-        self.assertEqual([cell for cell, fate in now.items() if fate == "fails"], [])
-        gained = {cell for cell, fate in before.items() if fate == "fails"}
-        self.assertLessEqual({("stiffness", "80 kPa"), ("mass ratio", "1:10"), ("mass ratio", "1:10000")}, gained)
-
     def test_stability_maps_include_failing_settings(self):
         rows = rows_of(CHARTS / "stability.csv")
         failing = {(row["map"], row["method"]) for row in rows if row["fate"] == "fails"}
-        for case in (("stiffness", "shape matching, PBD"), ("stiffness", "tetrahedra, XPBD"),
+        for case in (("stiffness", "shape matching, PBD"), ("stiffness", "mass-spring, explicit"),
                      ("tube on flap", "1/180 s"), ("tube on cords", "1/180 s")):
             self.assertIn(case, failing)
         # No speed and no substep lets it pass: docs/decisions/tube-rod.md.

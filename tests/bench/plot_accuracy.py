@@ -6,16 +6,16 @@ import math
 from collections import defaultdict
 from functools import partial
 
-from plotting import MARKERS, SHIPPED, SHIPPED_SCENE, SHIPPED_TONGUE, pyplot, rows_of, save
+from plotting import MARKERS, SHIPPED, pyplot, rows_of, save
 
-COLOURS = {"shape matching, PBD": "#c44e52", "shape matching, XPBD": "#4c72b0", "tetrahedra, XPBD": "#55a868",
-           "tetrahedra, implicit": "#ccb974",
+COLOURS = {"shape matching, PBD": "#c44e52", "shape matching, XPBD": "#4c72b0",
+           "hexahedra, implicit": "#55a868", "tetrahedra, implicit": "#ccb974",
            "clusters, calibrated by traction": "#64b5cd", "clusters, calibrated by indentation": "#dd8452",
            "clusters, calibrated on the tongue": "#8c613c",
            "mass-spring, explicit": "#937860", "rod": "#8172b2", "fluid": "#4c72b0"}
-# Cases other than blocks of tissue, which are left out of the chart of all blocks.
-APART = ("rod", "fluid")
-TONGUE = ("tongue-force", "tongue-shape")
+# Cases of blocks of tissue, and what each panel of their chart shows.
+BLOCKS = {"bar": "bar under its weight: sag", "sphere": "sphere pressed in: force", "blade": "blade pressed in: force",
+          "blade-shape": "blade pressed in: shape"}
 
 
 def read(file):
@@ -30,8 +30,6 @@ def setting(row):
 
 def is_star(row):
     """Whether a row has the shipped settings of the scenarios."""
-    if row.get("case") in TONGUE:
-        return row["method"] == SHIPPED_TONGUE and setting(row) == SHIPPED_SCENE
     return SHIPPED.get(row["method"]) == setting(row)
 
 
@@ -54,49 +52,32 @@ def lines_of(rows):
 
 
 def draw_blocks(rows, file):
-    plt = pyplot()
-    figure, axes = plt.subplots(figsize=(9.4, 5.0))
-    shown = overall(rows)
-    spacings = sorted({row["spacing"] for row in shown})
-    for (method, spacing), line in lines_of(shown):
-        line.sort(key=lambda row: row["substeps"] * row["iterations"])
-        axes.plot([row["cost"] for row in line], [max(row["error"], 1e-5) for row in line], color=COLOURS[method],
-                  lw=1, ls="-", marker=MARKERS[spacings.index(spacing)], ms=4, label=f"{method}, {spacing:.3g} mm")
-    front = pareto((row["cost"], max(row["error"], 1e-5)) for row in shown)
-    axes.plot(*zip(*front), color="black", lw=3, alpha=0.25, zorder=0, label="Pareto front")
-    label = "shipped"
-    for row in shown:
-        if is_star(row):
-            axes.plot(row["cost"], max(row["error"], 1e-5), marker="*", ms=15, color="gold", mec="black", ls="none",
-                      label=label)
-            label = None
-    axes.set(xscale="log", yscale="log", title="all blocks, geometric mean",
-             xlabel="wall time per simulated 1/90 s [ms], one thread", ylabel="relative error [%]")
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-    for axis, factor in ((axes.xaxis, 1), (axes.yaxis, 100)):       # labels within one decade, too
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _, factor=factor: f"{factor * value:.3g}"))
-        axis.set_minor_formatter(NullFormatter())
-    axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0))     # beside the lines, not over them
-    figure.tight_layout()
+    plt = pyplot()
+    figure, panels = plt.subplots(2, 2, figsize=(11.6, 8.0))
+    spacings = sorted({row["spacing"] for row in rows if row["case"] in BLOCKS})
+    shown = {}
+    for axes, (case, title) in zip(panels.flat, BLOCKS.items()):
+        own = [row for row in rows if row["case"] == case and math.isfinite(row["error"])]
+        for (method, spacing), line in lines_of(own):
+            line.sort(key=lambda row: row["substeps"] * row["iterations"])
+            shown[method, spacing], = axes.plot([row["cost"] for row in line], [row["error"] for row in line],
+                                                color=COLOURS[method], lw=1, marker=MARKERS[spacings.index(spacing)], ms=4)
+        front, = axes.plot(*zip(*pareto((row["cost"], row["error"]) for row in own)), color="black", lw=3, alpha=0.25,
+                           zorder=0)
+        for row in filter(is_star, own):
+            star, = axes.plot(row["cost"], row["error"], marker="*", ms=15, color="gold", mec="black", ls="none")
+        axes.set(xscale="log", yscale="log", title=title, xlabel="wall time per simulated 1/90 s [ms], one thread",
+                 ylabel="relative error [%]")
+        for axis, factor in ((axes.xaxis, 1), (axes.yaxis, 100)):       # labels within one decade, too
+            low, high = axis.get_view_interval()
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 1000 * low else (1,)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _, factor=factor: f"{factor * value:.3g}"))
+            axis.set_minor_formatter(NullFormatter())
+    figure.legend([*shown.values(), front, star], [f"{method}, {spacing:.3g} mm" for method, spacing in shown] +
+                  ["Pareto front", "shipped"], fontsize=7, loc="center right")     # beside the lines, not over them
+    figure.tight_layout(rect=(0, 0, 0.75, 1))
     save(figure, file)
-
-
-def overall(rows):
-    """Geometric means over the cases of blocks, by setting; none if the body diverged in one."""
-    settings = defaultdict(list)
-    for row in rows:
-        if row["method"] not in APART and row["case"] not in TONGUE:
-            settings[row["method"], setting(row)].append(row)
-    cases = max(len(line) for line in settings.values())
-
-    def mean(line, key):
-        return math.exp(sum(math.log(max(row[key], 1e-4)) for row in line) / len(line))
-
-    return [{"method": method, "spacing": spacing, "substeps": substeps, "iterations": iterations,
-             "cost": mean(line, "cost"), "error": mean(line, "error")}
-            for (method, (spacing, substeps, iterations)), line in settings.items()
-            if len(line) == cases and all(math.isfinite(row["error"]) for row in line)]
 
 
 def draw_calibration(file, to):
@@ -126,7 +107,7 @@ def draw_calibration(file, to):
 
 def accuracy_figures(folder):
     if (folder / "accuracy.csv").exists():
-        yield folder / "accuracy-all.svg", partial(draw_blocks, read(folder / "accuracy.csv"))
+        yield folder / "accuracy-blocks.svg", partial(draw_blocks, read(folder / "accuracy.csv"))
 
 
 def calibration_figures(folder):

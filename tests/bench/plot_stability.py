@@ -4,14 +4,14 @@
 
 from functools import partial
 
-from plotting import SHIPPED, SHIPPED_TONGUE, pyplot, rows_of, save
+from plotting import CLUSTERS, SHIPPED, SHIPPED_TONGUE, pyplot, rows_of, save
 
 FATES = {"fails": (0, "F", "#d9786c"), "recovers": (1, "R", "#e5c469"), "survives": (2, "", "#7fbf8f")}
 # Axis across the panels, and its shipped value in the scenarios: the tongue is solved once in a step, which is divided
 # into more solves for a fast blade.
 ACROSS = {"walls": "speed of the hand"}
 SHIPPED_SOLVES = {"blade into tissue on bone": "as cut"}
-SHIPPED_STEP = f"1/{180 * SHIPPED['tetrahedra, XPBD'][1]} s"
+SHIPPED_STEP = f"1/{180 * SHIPPED[CLUSTERS][1]} s"
 SALIVA_STEP = f"1/{180 * SHIPPED['fluid'][1]} s"
 
 
@@ -24,7 +24,7 @@ def is_shipped(row):
     if row["method"] == SHIPPED_TONGUE:
         return row["column"] == SHIPPED_SOLVES.get(row["map"], "1")
     return row["column"] == SHIPPED_STEP and row["method"] not in \
-        ("shape matching, PBD", "tetrahedra, XPBD", "mass-spring, explicit")
+        ("shape matching, PBD", "tetrahedra, implicit", "mass-spring, explicit")
 
 
 def draw_map(axes, cells, figure):
@@ -43,7 +43,7 @@ def draw_map(axes, cells, figure):
         axes.add_patch(plt_rectangle((min(shipped) - 0.5, -0.5), max(shipped) - min(shipped) + 1, len(names)))
     axes.set_xticks(range(len(columns)), columns, rotation=45, fontsize=7)
     axes.set_yticks(range(len(names)), names, fontsize=7)
-    axes.set_xlabel("solves per 1/180 s" if cells[0]["method"] == SHIPPED_TONGUE else ACROSS.get(figure, "substep"),
+    axes.set_xlabel("solves per 1/180 s" if cells[0]["method"].endswith(", implicit") else ACROSS.get(figure, "substep"),
                     fontsize=8)
     axes.grid(False)
 

@@ -12,7 +12,7 @@
 #include "tests/bench/devices/gaps.hpp"
 #include "tests/bench/devices/grid.hpp"
 #include "tests/bench/devices/live.hpp"
-#include "tests/bench/server/accuracy/tongue_laws.hpp"
+#include "tests/bench/devices/tongue_laws.hpp"
 #include "tests/bench/server/table.hpp"
 #include "tests/validation/haptics/closed_loop.hpp"
 

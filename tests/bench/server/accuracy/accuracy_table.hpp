@@ -51,10 +51,6 @@ class AccuracyTable {
 /// supports, against the beam's closed form.
 void bend_tubes(AccuracyTable& table, bool quick);
 
-/// The shipped patient's tongue, pressed by the blade: force and shape, against finite elements on its own
-/// mesh.
-void press_tongue(AccuracyTable& table, Table& forces, bool quick);
-
 /// Water: a column at rest, and the dam break of Martin & Moyce 1952.
 void pour_water(AccuracyTable& table, bool quick);
 

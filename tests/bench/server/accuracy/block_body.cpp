@@ -23,6 +23,36 @@ int cells(int length_mm, double cell) {
     return static_cast<int>(std::lround(length_mm * 1e-3 / cell));
 }
 
+std::vector<std::array<std::uint32_t, 8>> hexahedra_of(const test::TetrahedralLattice& lattice) {
+    std::vector<std::array<std::uint32_t, 8>> hexahedra;
+    for (int z = 0; z < lattice.nz; ++z) {
+        for (int y = 0; y < lattice.ny; ++y) {
+            for (int x = 0; x < lattice.nx; ++x) {
+                std::array<std::uint32_t, 8>& corners = hexahedra.emplace_back();
+                for (int v = 0; v < 8; ++v) {
+                    corners[static_cast<std::size_t>(v)] = static_cast<std::uint32_t>(
+                        lattice.index(x + (v & 1), y + (v >> 1 & 1), z + (v >> 2 & 1)));
+                }
+            }
+        }
+    }
+    return hexahedra;
+}
+
+/// Of implicit methods an eighth of a cell to each corner, of others a quarter of a tetrahedron.
+std::vector<double> shares_of_nodes(const test::TetrahedralLattice& lattice, Method method) {
+    if (!is_implicit(method)) {
+        return test::node_share(lattice, 1.0);
+    }
+    std::vector<double> share(lattice.position.size(), 0.0);
+    for (const std::array<std::uint32_t, 8>& corners : hexahedra_of(lattice)) {
+        for (const std::uint32_t i : corners) {
+            share[i] += std::pow(lattice.cell, 3) / 8.0;
+        }
+    }
+    return share;
+}
+
 double input_modulus_of(const BodySettings& setting, const test::TetrahedralLattice& lattice) {
     const std::optional<pbd::ClusterLoad> load = calibration_of(setting.method);
     if (!load) {
@@ -44,10 +74,11 @@ BlockBody::BlockBody(int x_mm, int y_mm, int z_mm, const BodySettings& setting)
     : setting_(setting),
       lattice_(test::tetrahedral_lattice(cells(x_mm, setting.cell), cells(y_mm, setting.cell),
                                          cells(z_mm, setting.cell), setting.cell)) {
-    const bool implicit = setting.method == Method::tetrahedra_implicit;
-    density_ = implicit ? implicit_density : particle_density;
-    mass_ = test::node_share(lattice_, density_);
-    volume_ = test::node_share(lattice_, 1.0);
+    density_ = is_implicit(setting.method) ? implicit_density : particle_density;
+    volume_ = shares_of_nodes(lattice_, setting.method);
+    for (const double volume : volume_) {
+        mass_.push_back(density_ * volume);
+    }
     force.assign(mass_.size(), Vec3d::Zero());
     particles_.resize(mass_.size());
     for (std::size_t i = 0; i < mass_.size(); ++i) {
@@ -88,7 +119,7 @@ void BlockBody::substep(float dt, double share) {
         p.predicted[h.particle] = h.path(share).cast<float>();
     }
     project(dt);
-    if (contact && setting_.method != Method::tetrahedra_implicit) {
+    if (contact && !is_implicit(setting_.method)) {
         contact(p, static_cast<double>(dt), share);
     }
     const float keep = static_cast<float>(std::exp(-setting_.damping * static_cast<double>(dt))) / dt;
@@ -100,7 +131,7 @@ void BlockBody::substep(float dt, double share) {
 
 void BlockBody::project(float dt) {
     pbd::Particles& p = particles_;
-    if (setting_.method == Method::tetrahedra_implicit) {
+    if (is_implicit(setting_.method)) {
         for (std::size_t i = 0; i < p.size(); ++i) {
             if (p.inverse_mass[i] > 0.0f) {
                 p.predicted[i] = p.position[i];  // start of its only step
@@ -116,23 +147,25 @@ void BlockBody::project(float dt) {
         return;
     }
     for (int k = 0; k < setting_.iterations; ++k) {
-        if (setting_.method == Method::tetrahedra) {
-            tetrahedra_.project(p, dt);
-        } else if (setting_.method != Method::mass_springs) {
+        if (setting_.method != Method::mass_springs) {
             shapes_.project(p, dt);
         }
     }
 }
 
-double BlockBody::settle(double seconds) {
-    const pbd::Tetrahedra::Description mesh = {
-        lattice_.tetrahedra,
-        std::vector<float>(lattice_.tetrahedra.size(), static_cast<float>(setting_.youngs_modulus)),
-        static_cast<float>(poisson_ratio)};
-    if (setting_.method == Method::tetrahedra) {
-        tetrahedra_.configure(mesh, particles_);
-    } else if (setting_.method == Method::tetrahedra_implicit) {
-        implicit_.configure({mesh, {}}, particles_, particles_.inverse_mass);
+void BlockBody::start() {
+    if (is_implicit(setting_.method)) {
+        const auto modulus = static_cast<float>(setting_.youngs_modulus);
+        const auto ratio = static_cast<float>(setting_.poisson_ratio);
+        pbd::ImplicitMesh::Description mesh;
+        if (setting_.method == Method::tetrahedra_implicit) {
+            mesh.tetrahedra = {lattice_.tetrahedra, std::vector<float>(lattice_.tetrahedra.size(), modulus),
+                               ratio};
+        } else {
+            const std::vector<std::array<std::uint32_t, 8>> cells = hexahedra_of(lattice_);
+            mesh.hexahedra = {cells, std::vector<float>(cells.size(), modulus), ratio};
+        }
+        implicit_.configure(mesh, particles_, particles_.inverse_mass);
         implicit_.settings.iterations = setting_.iterations;
     } else if (setting_.method == Method::mass_springs) {
         springs_ = test::MassSprings(lattice_, setting_.youngs_modulus);
@@ -149,22 +182,71 @@ double BlockBody::settle(double seconds) {
         }
         shapes_.configure(description, particles_);
     }
-    const int steps = static_cast<int>(std::lround(seconds / setting_.step));
-    const auto before = std::chrono::steady_clock::now();
-    int step = 0;
-    for (; step < steps && particles_.velocity.back().allFinite(); ++step) {
-        const int substeps = cut ? cut() : setting_.substeps;
-        const auto dt = static_cast<float>(setting_.step / substeps);
-        for (int s = 0; s < substeps; ++s) {
-            const double time = (step + (s + 1.0) / substeps) * setting_.step;
-            substep(dt, std::min(1.0, time / loading_time));
+}
+
+void BlockBody::step(double share_before, double share_after) {
+    const int substeps = cut ? cut() : setting_.substeps;
+    const auto dt = static_cast<float>(setting_.step / substeps);
+    for (int s = 0; s < substeps; ++s) {
+        substep(dt, share_before + (s + 1.0) / substeps * (share_after - share_before));
+    }
+}
+
+bool BlockBody::is_finite() const {
+    return particles_.velocity.back().allFinite();
+}
+
+int BlockBody::settle_below(double slow, int most) {
+    int still = 0;
+    int steps = 0;
+    while (still < 10 && steps < most && is_finite()) {
+        step();
+        ++steps;
+        float greatest = 0.0f;
+        for (const Vec3f& v : particles_.velocity) {
+            greatest = std::max(greatest, v.norm());
         }
+        still = static_cast<double>(greatest) < slow ? still + 1 : 0;
+    }
+    return steps;
+}
+
+double BlockBody::settle(double seconds) {
+    start();
+    const int steps = static_cast<int>(std::lround(seconds / setting_.step));
+    const auto share_at = [&](int step) { return std::min(1.0, step * setting_.step / loading_time); };
+    const auto before = std::chrono::steady_clock::now();
+    int taken = 0;
+    for (; taken < steps && is_finite(); ++taken) {
+        step(share_at(taken), share_at(taken + 1));
         if (watch) {
             watch(particles_);
         }
     }
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - before;
-    return wall.count() / (step * setting_.step * 90.0);
+    return wall.count() / (taken * setting_.step * 90.0);
+}
+
+Vec3d BlockBody::displacement_at(const Vec3d& rest) const {
+    const std::array<int, 3> count = {lattice_.nx, lattice_.ny, lattice_.nz};
+    std::array<int, 3> low{};
+    Vec3d share;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const double at = rest[axis] / lattice_.cell;
+        low[a] = std::clamp(static_cast<int>(std::floor(at)), 0, count[a] - 1);
+        share[axis] = at - low[a];
+    }
+    Vec3d sum = Vec3d::Zero();
+    for (int v = 0; v < 8; ++v) {
+        double weight = 1.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            weight *= (v >> axis & 1) != 0 ? share[axis] : 1.0 - share[axis];
+        }
+        const std::size_t i = lattice_.index(low[0] + (v & 1), low[1] + (v >> 1 & 1), low[2] + (v >> 2 & 1));
+        sum += weight * (particles_.position[i].cast<double>() - lattice_.position[i]);
+    }
+    return sum;
 }
 
 }  // namespace eti::bench

@@ -10,7 +10,6 @@
 #include "server/pbd/soft/cluster_calibration.hpp"
 #include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/shape_matching.hpp"
-#include "tests/bench/server/accuracy/xpbd_tetrahedra.hpp"
 #include "tests/support/lattice_clusters.hpp"
 #include "tests/support/mass_springs.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
@@ -23,8 +22,8 @@ enum class Method {
     clusters_for_traction,     ///< the same, with the input modulus calibrated for a bar's modulus
     clusters_for_indentation,  ///< for the force on an indenter,
     clusters_for_tongue,       ///< or for the force of the patient's tongue, as shipped
-    tetrahedra,
-    tetrahedra_implicit,  ///< one solve per step instead of one pass per substep
+    tetrahedra_implicit,       ///< one solve per step instead of one pass per substep
+    hexahedra_implicit,        ///< the same with 8-node cells, as shipped for the tongue
     mass_springs
 };
 
@@ -40,14 +39,18 @@ enum class Method {
             return "clusters, calibrated by indentation";
         case Method::clusters_for_tongue:
             return "clusters, calibrated on the tongue";
-        case Method::tetrahedra:
-            return "tetrahedra, XPBD";
         case Method::tetrahedra_implicit:
             return "tetrahedra, implicit";
+        case Method::hexahedra_implicit:
+            return "hexahedra, implicit";
         case Method::mass_springs:
             break;
     }
     return "mass-spring, explicit";
+}
+
+[[nodiscard]] constexpr bool is_implicit(Method method) {
+    return method == Method::tetrahedra_implicit || method == Method::hexahedra_implicit;
 }
 
 /// What the input modulus of clusters is calibrated for; empty if it is not calibrated.
@@ -72,18 +75,18 @@ struct BodySettings {
     int iterations = 1;           ///< passes per substep; of the implicit method, conjugate gradients
     double step = 1.0 / 180.0;    ///< [s]
     double youngs_modulus = 8e3;  ///< [Pa], of tongue and mucosa
+    double poisson_ratio = 0.45;  ///< of implicit methods; clusters have 0, springs 1/4
     /// [1/s], of velocity; by default at most the rate of the slowest mode of the loaded cases.
     double damping = 40.0;
     double cluster_radius = test::cube_radius;  ///< in cells
 };
 
-/// Common to all methods: the material and the particles' mass.
-inline constexpr double poisson_ratio = 0.45;
 inline constexpr double particle_density = 4e3;  ///< [kg/m^3], as of the patient's particles
 inline constexpr double implicit_density = 1e3;  ///< [kg/m^3] of the implicit method: tissue's own
 
 /// A block of soft tissue, one corner at the origin, on a lattice common to all methods: particles at its
-/// nodes, tetrahedra in its cells, clusters around every second node, springs along edges and diagonals.
+/// nodes, tetrahedra or hexahedra in its cells, clusters around every second node, springs along edges and
+/// diagonals.
 class BlockBody {
   public:
     /// Size along x, y, z [mm]: an even number of cells each, so that clusters cover the block.
@@ -93,7 +96,7 @@ class BlockBody {
     [[nodiscard]] pbd::Particles& particles() { return particles_; }
     [[nodiscard]] double mass(std::size_t i) const { return mass_[i]; }
     void scale_mass(std::size_t i, double factor);
-    /// Its clusters while settle() runs; not for tetrahedra.
+    /// Its clusters while settle() runs; none for implicit methods.
     [[nodiscard]] const pbd::ShapeMatching& shapes() const { return shapes_; }
 
     /// Holds a particle at its rest position plus `displacement` [m], reached over the first half second.
@@ -116,9 +119,22 @@ class BlockBody {
     /// After every step.
     std::function<void(const pbd::Particles&)> watch;
 
-    /// Simulates `seconds` under strong damping; returns the wall time [ms] per 1/90 s. Loads and
-    /// displacements grow over the first half second. Stops early if the body diverges.
+    /// Makes the body from the particles that are held by now.
+    void start();
+    /// Advances by the setting's step under a share of the load, or of all that grow to it.
+    void step(double share_before, double share_after);
+    void step() { step(1.0, 1.0); }
+    /// Steps until the greatest speed has been below `slow` [m/s] for ten steps, at most `most` times;
+    /// returns their number.
+    int settle_below(double slow, int most);
+    [[nodiscard]] bool is_finite() const;
+
+    /// start(), then simulates `seconds` under strong damping; returns the wall time [ms] per 1/90 s. Loads
+    /// and displacements grow over the first half second. Stops early if the body diverges.
     double settle(double seconds);
+
+    /// Displacement [m] of a point of the unloaded block, trilinear in its cell.
+    [[nodiscard]] Vec3d displacement_at(const Vec3d& rest) const;
 
   private:
     void substep(float dt, double share);
@@ -136,7 +152,6 @@ class BlockBody {
     std::vector<double> mass_, volume_;
     std::vector<Held> held_;
     pbd::ShapeMatching shapes_;
-    XpbdTetrahedra tetrahedra_;
     pbd::ImplicitMesh implicit_;
     test::MassSprings springs_;
 };

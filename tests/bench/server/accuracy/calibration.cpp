@@ -57,36 +57,34 @@ Measured pull(const BodySettings& setting) {
     return {stress / along, -across / along};
 }
 
-/// The block of the cases "sphere" and "blade", pressed in by 1.5 mm: the modulus of the material with a
-/// Poisson ratio of 0.45 that would give the same force.
+constexpr double block_depth = 1.5e-3;  // [m]
+
+/// A block of 20 x 20 x 10 mm, pressed in by block_depth: the modulus of the material with a Poisson ratio of
+/// 0.45 that would give the same force.
 class Block {
   public:
-    explicit Block(bool sphere, double radius = blade_radius) {
-        indenter_ = {.sphere = sphere, .x = 10e-3, .y = 10e-3, .radius = radius};
-        force_ = reference_forces(indenter_, depths_)[0];
-    }
+    explicit Block(bool sphere, double radius = blade_radius)
+        : indenter_{.sphere = sphere, .x = 10e-3, .y = 10e-3, .radius = radius},
+          force_(reference_force(indenter_, block_depth)) {}
     [[nodiscard]] Measured press(const BodySettings& setting) const {
         BlockBody body(20, 20, 10, setting);
-        double ms = 0.0;
-        const double force = bench::press(body, indenter_, depths_, false, ms)[0].force;
-        return {force / force_ * BodySettings{}.youngs_modulus, poisson_ratio};
+        const double force = bench::press(body, indenter_, block_depth, false);
+        return {force / force_ * BodySettings{}.youngs_modulus, reference_ratio};
     }
 
   private:
-    const std::vector<double> depths_ = {1.5e-3};
     Indenter indenter_;
-    double force_ = 0.0;  // [N]
+    double force_;  // [N]
 };
 
-/// The case "hertz": a sphere of 16 spacings pressed in by one and a quarter, compared with the closed form.
+/// A sphere of 16 spacings pressed in by one and a quarter, compared with the closed form.
 Measured press_lightly(const BodySettings& setting) {
     const HertzBlock block(setting.cell);
     BlockBody body(block.side_mm, block.side_mm, block.side_mm, setting);
     const double depth = 1.25 * setting.cell;
-    double ms = 0.0;
-    const double force = press(body, block.sphere, {depth}, true, ms)[0].force;
+    const double force = press(body, block.sphere, depth, true);
     return {force / block.force(depth, BodySettings{}.youngs_modulus) * BodySettings{}.youngs_modulus,
-            poisson_ratio};
+            reference_ratio};
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "tests/bench/server/accuracy/block_cases.hpp"
+#include "tests/bench/server/accuracy/block_body.hpp"
 
 namespace eti::bench {
 
@@ -19,12 +19,8 @@ struct Indenter {
     [[nodiscard]] double height_over(const Vec3d& point, double depth, double top) const;
 };
 
-inline constexpr double blade_radius = 5e-3;  ///< [m], of the blade's thickest capsule
-
-/// Depths [m] at which the sphere and the blade are compared; the block is 10 mm high.
-[[nodiscard]] inline std::vector<double> indentation_depths() {
-    return {0.5e-3, 1.0e-3, 1.5e-3, 2.0e-3};
-}
+inline constexpr double blade_radius = 5e-3;     ///< [m], of the blade's thickest capsule
+inline constexpr double reference_ratio = 0.45;  ///< Poisson's ratio of the references
 
 /// A quarter of a block of 32 x 32 x 16 cells under a sphere with a radius of 16 cells, at any cell size: its
 /// corner is the middle of the whole one.
@@ -37,15 +33,12 @@ struct HertzBlock {
     [[nodiscard]] double force(double depth, double youngs_modulus) const;
 };
 
-/// Presses the indenter into a block on a rigid floor, stage by stage, and lets it come to rest at each.
-/// `mirrored`: the planes x = 0 and y = 0 are planes of symmetry. Stores the wall time [ms] per 1/90 s in
-/// `frame_ms`.
-[[nodiscard]] std::vector<ForceSample> press(BlockBody& body, const Indenter& indenter,
-                                             const std::vector<double>& depths, bool mirrored,
-                                             double& frame_ms);
+/// Force [N] at a depth [m], mean over the time at rest there, of an indenter that is pressed into a block on
+/// a rigid floor. `mirrored`: the planes x = 0 and y = 0 are planes of symmetry.
+[[nodiscard]] double press(BlockBody& body, const Indenter& indenter, double depth, bool mirrored);
 
 /// Force [N] on an indenter over the middle of a block of 20 x 20 x 10 mm, by finite elements on a quarter of
 /// it: touched nodes are held at the indenter's height, and those under tension are released.
-[[nodiscard]] std::vector<double> reference_forces(Indenter indenter, const std::vector<double>& depths);
+[[nodiscard]] double reference_force(Indenter indenter, double depth);
 
 }  // namespace eti::bench

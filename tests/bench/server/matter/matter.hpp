@@ -20,6 +20,7 @@ struct MatterOptions {
     bool fixed_bones = false;          ///< head, mandible and hyoid do not yield
     bool elastic = false;              ///< the tissue does not relax
     bool no_blocks = false;            ///< no blocks
+    bool no_hold = false;              ///< no quick lift, whose force falls while the blade is held
     bool quick = false;                ///< the first scenario and few blocks
     bool json = false;
 };

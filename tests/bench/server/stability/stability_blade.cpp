@@ -3,8 +3,8 @@
 // The blade driven into tissue that lies on bone.
 #include "common/model/pace.hpp"
 #include "server/pbd/contact/contact.hpp"
-#include "server/pbd/contact/surface_edges.hpp"
 #include "server/scene/tongue.hpp"
+#include "tests/bench/server/accuracy/scene_contact.hpp"
 #include "tests/bench/server/stability/stability_parts.hpp"
 
 namespace eti::bench {
@@ -52,18 +52,10 @@ class Driven {
     /// [m], in the last advance().
     [[nodiscard]] float travel() const { return static_cast<float>(std::fabs(bottom_ - before_)); }
 
-    /// Pose of a laryngoscope with scope()'s capsules at a share of the last advance().
+    /// Pose of the capsule at height 0, at a share of the last advance().
     [[nodiscard]] RigidTransform pose(double share) const {
         return {Quatf::Identity(), Vec3d(0.0, 0.0, before_ + share * (bottom_ - before_)).cast<float>()};
     }
-    [[nodiscard]] static Laryngoscope scope() {
-        Laryngoscope scope;
-        scope.capsules.fill({Vec3f::Ones(), Vec3f::Ones(), 0.0f});  // a metre away
-        scope.capsules.back() = capsule_at(0.0);
-        return scope;
-    }
-
-  private:
     [[nodiscard]] static Capsule capsule_at(double bottom) {
         const auto end = [&](double x) {
             return Vec3d(x, 10e-3, bottom + distal_radius).cast<float>().eval();
@@ -74,47 +66,6 @@ class Driven {
     Push push_;
     double bottom_ = height + 0.5e-3, before_ = bottom_;
     double velocity_ = 0.0;
-};
-
-/// The blade against implicit tetrahedra, with the scene's own contact search.
-class SceneContact {
-  public:
-    explicit SceneContact(BlockBody& body) {
-        const pbd::Particles& p = body.particles();
-        std::vector<std::uint32_t> movers;
-        for (std::uint32_t i = 0; i < p.size(); ++i) {
-            if (p.inverse_mass[i] > 0.0f) {
-                movers.push_back(i);
-            }
-        }
-        std::vector<scene::TongueContacts::Triangle> triangles =
-            pbd::surface_triangles(body.lattice().tetrahedra);
-        std::erase_if(triangles, [&](const auto& corners) {
-            return std::ranges::none_of(corners, [&](std::uint32_t i) { return p.inverse_mass[i] > 0.0f; });
-        });
-        contacts_.configure(movers, {.particles = {}, .triangles = std::move(triangles)});
-        nothing_.size = {2, 2, 2};
-        nothing_.value.assign(8, 1.0f);
-    }
-
-    void find(pbd::ImplicitMesh& mesh, const pbd::Particles& p, const RigidTransform& from,
-              const RigidTransform& to) {
-        contacts_.find(p, {scope_, from, to}, {nothing_, 1}, mesh.contacts);
-    }
-
-    /// [N], of the tissue on the blade, upwards.
-    [[nodiscard]] static double reaction(const pbd::ImplicitMesh& mesh) {
-        double sum = 0.0;
-        for (const pbd::MeshContact& c : mesh.contacts) {
-            sum -= static_cast<double>(c.force.z());
-        }
-        return std::isfinite(sum) ? sum : 0.0;
-    }
-
-  private:
-    Laryngoscope scope_ = Driven::scope();
-    DistanceGrid nothing_;
-    scene::TongueContacts contacts_;
 };
 
 /// `cut`: the blade advances by the settings' steps, each divided into as many solves as the scene uses.
@@ -128,7 +79,7 @@ RecoveryResult drive(const BodySettings& setting, bool cut, const Push& push) {
     Driven blade(push);
     double time = 0.0;
     double reaction = 0.0;
-    SceneContact contact(body);
+    SceneContact contact(body, Driven::capsule_at(0.0));
     int solves = 1;
     int solved = 0;
     double felt = 0.0;
@@ -184,7 +135,7 @@ RecoveryResult drive(const BodySettings& setting, bool cut, const Push& push) {
 void blade_into_tissue_on_bone(const Sweep& sweep, StabilityTable& maps) {
     for (const Method method : sweep.methods) {
         std::vector<Column> columns = columns_of(sweep, method);
-        if (method == Method::tetrahedra_implicit) {
+        if (is_implicit(method)) {
             columns.push_back({std::string(as_cut), steps_per_second});
         }
         for (const auto& [column, rate] : columns) {

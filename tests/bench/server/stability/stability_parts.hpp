@@ -22,7 +22,8 @@ namespace eti::bench {
 struct Sweep {
     bool quick = false;
     std::vector<Method> methods = {Method::shape_matching_pbd, Method::shape_matching_xpbd,
-                                   Method::tetrahedra, Method::tetrahedra_implicit, Method::mass_springs};
+                                   Method::tetrahedra_implicit, Method::hexahedra_implicit,
+                                   Method::mass_springs};
     std::vector<double> rates = {30, 60, 180, 360, 720, 1440, 2000};  ///< substeps per second
     std::vector<int> solves = {1, 2, 4, 8};  ///< of the implicit method per step of the scene
 };
@@ -39,7 +40,7 @@ struct Column {
 /// Values swept across a panel.
 [[nodiscard]] inline std::vector<Column> columns_of(const Sweep& sweep, Method method) {
     std::vector<Column> columns;
-    if (method == Method::tetrahedra_implicit) {
+    if (is_implicit(method)) {
         for (const int count : sweep.solves) {
             columns.push_back({std::to_string(count), double{steps_per_second} * count});
         }
@@ -57,14 +58,15 @@ inline constexpr double light_damping = 12.0;
 /// A block's settings with one pass, or one solve, per step of 1 / `rate` [s].
 [[nodiscard]] inline BodySettings with_rate(Method method, double rate,
                                             double youngs_modulus = BodySettings{}.youngs_modulus) {
-    return {
-        .method = method,
-        .cell = 2.5e-3,
-        .substeps = 1,
-        .iterations = method == Method::tetrahedra_implicit ? pbd::ImplicitMesh::Settings{}.iterations : 1,
-        .step = 1.0 / rate,
-        .youngs_modulus = youngs_modulus,
-        .damping = light_damping};
+    return {.method = method,
+            .cell = 2.5e-3,
+            .substeps = 1,
+            .iterations = is_implicit(method) ? pbd::ImplicitMesh::Settings{}.iterations : 1,
+            .step = 1.0 / rate,
+            .youngs_modulus = youngs_modulus,
+            // As in whole cells of the tongue, and in those that its surface cuts.
+            .poisson_ratio = method == Method::hexahedra_implicit ? 0.49 : 0.45,
+            .damping = light_damping};
 }
 
 // Each part adds its maps.

@@ -206,8 +206,7 @@ void degenerate_and_conflicting_sets(const Sweep& sweep, StabilityTable& maps) {
                                                    const auto& course) {
                 maps.add(set_figure, map, name_of(method), row, column, course);
             };
-            if (method != Method::tetrahedra &&
-                method != Method::tetrahedra_implicit) {  // flat ones are left out
+            if (!is_implicit(method)) {  // flat cells are left out
                 for (const Shape& shape : shapes()) {
                     for (const Placement& placement : placements) {
                         add("clusters without volume", shape.name + ", " + placement.name,

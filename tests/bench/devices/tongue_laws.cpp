@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include "tests/bench/devices/tongue_laws.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -9,19 +12,16 @@
 #include "devices/haptics/soft_force.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/pbd/contact/contact.hpp"
-#include "server/pbd/soft/cluster_calibration.hpp"
 #include "server/pbd/soft/implicit_mesh.hpp"
-#include "server/pbd/soft/soft_body.hpp"
 #include "server/scene/scene.hpp"
-#include "tests/bench/server/accuracy/accuracy_table.hpp"
-#include "tests/bench/server/accuracy/block_cases.hpp"
-#include "tests/bench/server/accuracy/tongue_laws.hpp"
+#include "tests/validation/fem/static_solver.hpp"
 
 namespace eti::bench {
 
 namespace {
 
+constexpr double poisson_ratio = 0.45;
+constexpr int iterations = 8;                // conjugate gradients of a step
 constexpr int steps = 2 * steps_per_second;  // the blade goes down in the first half of them
 constexpr int averaged = steps / 10;         // at the end, over which its force is averaged
 constexpr float damping = 40.0f;             // [1/s]
@@ -34,7 +34,6 @@ struct Tongue {
     std::vector<float> volume;
     std::vector<bool> held;
     std::vector<std::array<std::uint32_t, 4>> tetrahedra;
-    std::vector<std::vector<std::uint32_t>> clusters;
     float spacing = 0.0f;         // [m]
     Vec3d down, touching;         // the blade's direction, and the point of its axis at first contact
     Vec3d along = Vec3d::Zero();  // its axis
@@ -80,16 +79,6 @@ Tongue tongue_of(const Scenario& scenario) {
     for (std::size_t i = 0; i < meshed.size(); ++i) {  // a few are isolated
         tongue.held[i] = tongue.held[i] || !meshed[i];
     }
-    for (std::size_t c = 0; c < patient.clusters.size(); ++c) {
-        if (patient.clusters.tissue[c] != Tissue::tongue) {
-            continue;
-        }
-        std::vector<std::uint32_t> members;
-        for (const std::uint32_t i : patient.clusters.members(c)) {
-            members.push_back(number[i]);
-        }
-        tongue.clusters.push_back(std::move(members));
-    }
     // The axis of the expert's blade in the lift.
     tongue.along = Vec3d(0.0, 0.8, -0.6);
     tongue.down = Vec3d(0.0, -0.6, -0.8);
@@ -109,7 +98,6 @@ Tongue tongue_of(const Scenario& scenario) {
 struct Pressed {
     std::vector<Vec3d> position;
     double force = 0.0;
-    double frame_ms = 0.0;
     std::vector<Vec3f> contact_force;  ///< [N], of each particle on the blade, mean over the end
 };
 
@@ -174,7 +162,7 @@ Capsule blade_at(const Tongue& tongue, double depth, double share) {
 }
 
 /// One solve per step, with the blade's contacts included.
-Pressed by_implicit_mesh(const Tongue& tongue, double depth, int iterations, double youngs_modulus) {
+Pressed by_implicit_mesh(const Tongue& tongue, double depth, double youngs_modulus) {
     pbd::Particles p = particles_of(tongue);
     pbd::ImplicitMesh mesh;
     mesh.configure({mesh_of(tongue, youngs_modulus), {}}, p, p.inverse_mass);
@@ -187,7 +175,7 @@ Pressed by_implicit_mesh(const Tongue& tongue, double depth, int iterations, dou
     const float keep = std::exp(-damping * dt) / dt;
     std::vector<Vec3f> force(p.size(), Vec3f::Zero());
     Pressed out;
-    const auto start = std::chrono::steady_clock::now();
+    out.contact_force.assign(p.size(), Vec3f::Zero());
     for (int step = 0; step < steps; ++step) {
         const Capsule blade = blade_at(tongue, depth, static_cast<double>(step + 1) / steps);
         mesh.contacts.clear();
@@ -212,6 +200,7 @@ Pressed by_implicit_mesh(const Tongue& tongue, double depth, int iterations, dou
             force[c.particle[0]] = c.force;
             if (step >= steps - averaged) {
                 out.force += c.force.cast<double>().dot(tongue.down) / averaged;
+                out.contact_force[c.particle[0]] -= c.force / static_cast<float>(averaged);
             }
         }
         for (std::size_t i = 0; i < p.size(); ++i) {
@@ -219,95 +208,10 @@ Pressed by_implicit_mesh(const Tongue& tongue, double depth, int iterations, dou
             p.position[i] = p.predicted[i];
         }
     }
-    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
-    out.frame_ms = wall.count() / steps * steps_per_second / 90.0;
     for (const Vec3f& x : p.position) {
         out.position.push_back(x.cast<double>());
     }
     return out;
-}
-
-Pressed press_by_particles(const Tongue& tongue, double depth, Method method, int substeps,
-                           double youngs_modulus) {
-    pbd::SoftBody body;
-    body.settings.damping = damping;
-    pbd::Particles& p = body.particles;
-    p = particles_of(tongue);
-    pbd::ShapeMatching::Description clusters;
-    clusters.first.push_back(0);
-    for (const float volume : tongue.volume) {
-        clusters.particle_volume.push_back(volume);
-        clusters.fitting_mass.push_back(patient::tissue_density * volume);
-    }
-    const float dt = step_duration / static_cast<float>(substeps);
-    const auto wanted = static_cast<float>(youngs_modulus);
-    pbd::Tetrahedra::Description mesh;
-    if (method == Method::tetrahedra) {
-        mesh = mesh_of(tongue, youngs_modulus);
-    } else {
-        const std::optional<pbd::ClusterLoad> load = calibration_of(method);
-        const float modulus = load ? pbd::calibrated_modulus({.spacing = tongue.spacing,
-                                                              .density = patient::tissue_density,
-                                                              .substep = dt,
-                                                              .load = *load},
-                                                             wanted)
-                                         .input_modulus
-                                   : wanted;
-        for (const auto& members : tongue.clusters) {
-            clusters.member.insert(clusters.member.end(), members.begin(), members.end());
-            clusters.first.push_back(static_cast<std::uint32_t>(clusters.member.size()));
-            clusters.youngs_modulus.push_back(modulus);
-        }
-    }
-    body.shapes.configure(clusters, p);
-    XpbdTetrahedra tetrahedra;
-    tetrahedra.configure(mesh, p);
-    body.links.configure({}, {}, p);
-
-    Pressed out;
-    out.contact_force.assign(p.size(), Vec3f::Zero());
-    const auto start = std::chrono::steady_clock::now();
-    for (int step = 0; step < steps; ++step) {
-        for (int s = 0; s < substeps; ++s) {
-            const Capsule blade =
-                blade_at(tongue, depth, (step + static_cast<double>(s + 1) / substeps) / steps);
-            const pbd::MovingCapsule capsule{blade.a, blade.b, blade.a, blade.b, blade.radius};
-            body.predict(dt, 1.0f);
-            body.project(dt);
-            tetrahedra.project(p, dt);
-            for (std::size_t i = 0; i < p.size(); ++i) {
-                if (p.inverse_mass[i] == 0.0f) {
-                    continue;
-                }
-                const Vec3f push = pbd::push_out_of(capsule, p.position[i], p.predicted[i], 0.0f, 0.0f);
-                p.predicted[i] += push;
-                if (step >= steps - averaged) {
-                    out.contact_force[i] -=
-                        push / (p.inverse_mass[i] * dt * dt * static_cast<float>(averaged * substeps));
-                    out.force += push.cast<double>().dot(tongue.down) /
-                                 static_cast<double>(p.inverse_mass[i] * dt * dt) / (averaged * substeps);
-                }
-            }
-            body.finish(dt);
-        }
-    }
-    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
-    out.frame_ms = wall.count() / steps * steps_per_second / 90.0;
-    for (const Vec3f& x : p.position) {
-        out.position.push_back(x.cast<double>());
-    }
-    return out;
-}
-
-/// RMS difference relative to the RMS displacement.
-double difference(const Tongue& tongue, const Pressed& found, const Pressed& expected) {
-    double apart = 0.0;
-    double moved = 0.0;
-    for (std::size_t i = 0; i < tongue.rest.size(); ++i) {
-        apart += (found.position[i] - expected.position[i]).squaredNorm();
-        moved += (expected.position[i] - tongue.rest[i].cast<double>()).squaredNorm();
-    }
-    return std::sqrt(apart / moved);
 }
 
 }  // namespace
@@ -319,8 +223,7 @@ std::vector<LawForce> tongue_laws(bool quick) {
     std::vector<LawForce> out;
     for (const double depth : quick ? std::vector{4e-3} : std::vector{1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}) {
         const double reference = press_by_finite_elements(tongue, depth, modulus).force;
-        const Pressed pressed =
-            press_by_particles(tongue, depth, Method::tetrahedra, scenario.physics.substeps, modulus);
+        const Pressed pressed = by_implicit_mesh(tongue, depth, modulus);
         const Capsule blade = blade_at(tongue, depth, 1.0);
         std::vector<devices::TissuePoint> points;
         Vec3f sum = Vec3f::Zero();
@@ -339,60 +242,6 @@ std::vector<LawForce> tongue_laws(bool quick) {
         out.push_back({"displacement", depth, static_cast<double>(displaced.force.dot(back)), reference});
     }
     return out;
-}
-
-void press_tongue(AccuracyTable& table, Table& forces, bool quick) {
-    Scenario scenario = load_scenario(find_data_file("term", "scenarios"));
-    const auto modulus = static_cast<double>(scenario.runtime_parameters.tissue_stiffness);
-    const std::vector<double> depths = quick ? std::vector{4e-3} : std::vector{2e-3, 4e-3, 6e-3};
-    for (const double spacing : quick ? std::vector{2.5e-3} : std::vector{2.5e-3, 2.0e-3}) {
-        scenario.physics.spacing = static_cast<float>(spacing);
-        const Tongue tongue = tongue_of(scenario);
-        std::vector<Pressed> expected;
-        for (const double depth : depths) {
-            expected.push_back(press_by_finite_elements(tongue, depth, modulus));
-        }
-        struct Row {
-            Method method;
-            int substeps, iterations;
-        };
-        std::vector<Row> rows;
-        for (const Method method : {Method::shape_matching_xpbd, Method::clusters_for_indentation,
-                                    Method::clusters_for_tongue, Method::tetrahedra}) {
-            for (const int substeps : quick ? std::vector{8} : std::vector{4, 8, 16}) {
-                rows.push_back({method, substeps, 1});
-            }
-        }
-        for (const int iterations : quick ? std::vector{8} : std::vector{5, 8, 10}) {
-            rows.push_back({Method::tetrahedra_implicit, 1, iterations});
-        }
-        for (const auto& [method, substeps, iterations] : rows) {
-            if (!table.shard().claim_next()) {
-                continue;
-            }
-            const std::string_view name = name_of(method);
-            double force = 0.0;
-            double shape = 0.0;
-            double frame_ms = 0.0;
-            for (std::size_t k = 0; k < depths.size(); ++k) {
-                const Pressed found = method == Method::tetrahedra_implicit
-                                          ? by_implicit_mesh(tongue, depths[k], iterations, modulus)
-                                          : press_by_particles(tongue, depths[k], method, substeps, modulus);
-                force += std::pow(found.force / expected[k].force - 1.0, 2);
-                shape += std::pow(difference(tongue, found, expected[k]), 2);
-                frame_ms += found.frame_ms;
-                forces.row(fmt::format("tongue,\"{}\",{:g},{},{},{:g},{:.6g},{:.6g}", name, 1e3 * spacing,
-                                       substeps, iterations, 1e3 * depths[k], found.force,
-                                       expected[k].force));
-            }
-            const auto n = static_cast<double>(depths.size());
-            const std::size_t particles = tongue.rest.size();
-            table.add({"tongue-force", name, spacing, substeps, iterations, particles, std::sqrt(force / n),
-                       frame_ms / n});
-            table.add({"tongue-shape", name, spacing, substeps, iterations, particles, std::sqrt(shape / n),
-                       frame_ms / n});
-        }
-    }
 }
 
 }  // namespace eti::bench
