@@ -6,15 +6,19 @@
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-PARTS=(accuracy calibration matter stability sufficiency sleep haptics bus soak anatomy pictures render readers panel first_session report)
+PARTS=(accuracy calibration matter stability sufficiency sleep cost view presets study score haptics grid bus soak anatomy pictures render
+       readers panel first_session report)
 # Duration of each on two cores.
-declare -A TAKES=([accuracy]="an hour and a half" [calibration]="two minutes" [matter]="twenty minutes" [stability]="five minutes"
-                  [sufficiency]="half an hour" [sleep]="three minutes" [haptics]="twenty minutes"
-                  [bus]="an hour and three quarters" [soak]="three hours" [anatomy]="a minute" [pictures]="a minute"
-                  [render]="five minutes" [readers]="five minutes" [panel]="a minute" [first_session]="two minutes"
-                  [report]="two minutes")
-# What carries a stamp with its physics version, cheapest first; the others are pictures.
-STAMPED=(calibration sleep stability matter readers render haptics sufficiency accuracy bus soak)
+declare -A TAKES=([accuracy]="ten minutes" [calibration]="two minutes" [matter]="twelve minutes" [stability]="three minutes"
+                  [sufficiency]="fifteen minutes" [sleep]="three minutes" [cost]="three minutes" [view]="two minutes" [presets]="ten minutes" [study]="twenty minutes"
+                  [score]="half an hour" [haptics]="ten minutes" [grid]="ten minutes" [bus]="an hour and three quarters" [soak]="three hours"
+                  [anatomy]="a minute" [pictures]="a minute" [render]="five minutes" [readers]="five minutes" [panel]="a minute"
+                  [first_session]="two minutes" [report]="two minutes")
+# What carries a stamp with its physics version, cheapest first; the others are pictures, or measure programs and network.
+STAMPED=(calibration view cost sleep stability readers render haptics accuracy presets matter sufficiency study score)
+INDEPENDENT=(grid bus soak)
+# What docs/tables.py writes into pages.
+TABLED=(accuracy cost view readers matter sufficiency render presets study score)
 PICTURES=(laryngoscope section overview)
 LESSONS=(lesson_2 lesson_3 lesson_4 lesson_5 final)
 CHARTS=$ETI_ROOT/docs/charts
@@ -23,8 +27,10 @@ OUT=$ETI_ROOT/out/figures
 usage() {
     cat <<USAGE
 Usage: deploy/figures.sh [--quick | --stale] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
-Repeats the measurements shown in docs/ and draws them. Without options this takes more than seven hours. A part's tables replace
-those of docs/charts once its measurement has succeeded; until then they are in out/figures.
+Repeats the measurements shown in docs/ and draws them. What depends on the physics takes two hours and a half on two cores;
+network and endurance take five hours more, and need no repetition when the physics changes. A part's tables replace those
+of docs/charts once its measurement has succeeded; until then they are in out/figures. Sessions of studies stay there, by
+physics version: they are run once.
   --quick       measure nothing: draw all charts again from the tables of docs/charts
   --stale       only the parts whose tables belong to another physics version, cheapest first: lists them, then
                 measures them again. With --list: only lists them
@@ -36,8 +42,8 @@ $(for part in "${PARTS[@]}"; do printf '                  %-12s %s\n' "$part" "$
   --no-install  do not look for missing packages
   --list        list the output files without writing them
   --help        print this
-Matter, sufficiency, sleep, bus and soak have tables and no figure. Pictures are README's, anatomy the slices of segmented heads,
-render the views against their goals, readers what a lab's own program reads and its cost, panel the instructor's beside
+Matter, sufficiency, sleep, cost, view, presets, study, score, bus and soak have tables and no figure. Pictures are README's,
+anatomy the slices of segmented heads, render the views against their goals, readers what a lab's own program reads and its cost, panel the instructor's beside
 a session, first_session the steps of an intubation with mouse and keys, report the page about two recorded sessions.
 USAGE
 }
@@ -80,6 +86,85 @@ bench() {
     shift
     mkdir -p "$folder" "$CHARTS" && rm -f "$folder"/*.csv
     "$ETI_ROOT/build/release/bin/eti-bench" "$@" --out "$folder" && cp "$folder"/*.csv "$CHARTS"
+}
+
+# halves PART ARGUMENT...: the same, as two processes that share the runs.
+halves() {
+    local folder=$OUT/$1 share running=() failed=0
+    shift
+    rm -rf "$folder" && mkdir -p "$folder"
+    for share in 0 1; do
+        "$ETI_ROOT/build/release/bin/eti-bench" --threads 1 "$@" --out "$folder" --shard "$share/2" &
+        running+=($!)
+    done
+    for share in "${running[@]}"; do wait "$share" || failed=1; done
+    [ $failed = 0 ] && "$ETI_ROOT/build/release/bin/eti-bench" merge "$folder/merged" "$folder"/shard-* &&
+        cp "$folder"/merged/*.csv "$CHARTS"
+}
+
+# The lift of both newborns at once; blocks are measured with the first.
+matter() {
+    local folder=$OUT/matter first bench="$ETI_ROOT/build/release/bin/eti-bench"
+    rm -rf "$folder" && mkdir -p "$folder"
+    "$bench" --threads 1 matter --scenario term --out "$folder/term" &
+    first=$!
+    "$bench" --threads 1 matter --scenario premature --no-blocks --out "$folder/premature" || { wait $first; return 1; }
+    wait $first && cp "$folder/term/matter-blocks.csv" "$CHARTS" &&
+        { cat "$folder/term/matter.csv"; tail -n +2 "$folder/premature/matter.csv"; } >"$CHARTS/matter.csv"
+}
+
+# sessions STUDY: its sessions in a folder of this physics version, which an interrupted run continues. Two processes share
+# them. Prints the folder.
+sessions() {
+    local folder=$OUT/$1-$(stamps --version) running=() failed=0 one
+    [ "$folder" != "$OUT/$1-" ] || return 1
+    for one in 1 2; do
+        "$ETI_ROOT/build/release/bin/eti-review" study "$1" --out "$folder" --threads 1 >&2 &
+        running+=($!)
+    done
+    for one in "${running[@]}"; do wait "$one" || failed=1; done
+    [ $failed = 0 ] && echo "$folder"
+}
+
+cost() {
+    mkdir -p "$OUT" && "$ETI_ROOT/build/release/bin/eti-bench" speed --json >"$OUT/cost.json" && cp "$OUT/cost.json" "$CHARTS"
+}
+
+view() {
+    mkdir -p "$OUT" && "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/view_over_lift.py" --out "$OUT/view-over-lift.csv" >&2 &&
+        cp "$OUT/view-over-lift.csv" "$CHARTS"
+}
+
+presets() {
+    mkdir -p "$OUT" || return 1
+    "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/presets.py" "$ETI_ROOT/build/release/bin" --jobs 2 >"$OUT/presets.csv" &&
+        cp "$OUT/presets.csv" "$CHARTS"
+}
+
+# The study of the paper's conditions: by condition, and experts beside novices.
+study() {
+    local folder review=$ETI_ROOT/build/release/bin/eti-review expert novice pick='$6 == "\"" who "\"" { gsub(/["\r]/, "", $10); print $10 }'
+    folder=$(sessions conditions) || return 1
+    cd "$folder" || return 1
+    rm -f sessions.csv
+    mapfile -t expert < <(awk -F, -v who=expert "$pick" plan.csv)
+    mapfile -t novice < <(awk -F, -v who=novice "$pick" plan.csv)
+    "$review" compare --group term term/*.h5 --group premature premature/*.h5 --paired --expect conditions --csv sessions.csv \
+        --json >conditions.json &&
+        "$review" compare --group expert "${expert[@]}" --group novice "${novice[@]}" --json >operators.json &&
+        cp sessions.csv "$CHARTS/study-sessions.csv" && cp conditions.json "$CHARTS/study-conditions.json" &&
+        cp operators.json "$CHARTS/study-operators.json"
+}
+
+# Trains the shipped score, and applies it to the shipped scripts.
+score() {
+    local folder bin=$ETI_ROOT/build/release/bin
+    folder=$(sessions graded) || return 1
+    rm -f "$folder/scripted.yaml" "$folder/judged.html"
+    "$bin/eti-review" score train "$folder"/*/*.h5 --name scripted --out "$folder/scripted.yaml" --html "$folder/judged.html" >&2 &&
+        cp "$folder/scripted.yaml" "$ETI_ROOT/deploy/data/scores/scripted.yaml" &&
+        ETI_BIN=$bin "$ETI_PYTHON" -B "$ETI_ROOT/tests/bench/score_scripts.py" >"$OUT/score-scripts.csv" &&
+        cp "$OUT/score-scripts.csv" "$CHARTS"
 }
 
 # Slices of two segmented heads, as eti-anatomy draws them beside the labels.
@@ -179,13 +264,15 @@ soak() {
 
 measure() {
     case $1 in
-        accuracy | calibration | stability | sleep) bench "$1" --threads 1 "$1" ;;
-        matter) bench "$1" --threads 1 "$1" && "$ETI_PYTHON" -B "$ETI_ROOT/docs/tables.py" >&2 ;;
-        sufficiency) bench "$1" --threads 1 "$1" --scenario term --scenario premature ;;
-        haptics) bench "$1" "$1" --whole-grid ;;
+        # Costs are compared, so these run alone.
+        accuracy | calibration | sleep) bench "$1" --threads 1 "$1" ;;
+        stability) halves "$1" "$1" ;;
+        sufficiency) halves "$1" "$1" --scenario term --scenario premature ;;
+        haptics) for one in stability gaps rendered laws live; do bench "$1" "$1" --only $one || return 1; done ;;
+        grid) bench haptics haptics --only grid --whole-grid && plot --only haptics ;;
         bus) bench "$1" "$1" --soak 60 ;;
         soak) soak ;;
-        anatomy | pictures | render | readers | panel | first_session | report) "$1" ;;
+        matter | cost | view | presets | study | score | anatomy | pictures | render | readers | panel | first_session | report) "$1" ;;
     esac
 }
 
@@ -232,9 +319,15 @@ for number in "${!only[@]}"; do
     part=${only[$number]}
     if [ $quick = no ] || { [ "$part" = pictures ] && [ -n "$demo" ]; }; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, measuring (${TAKES[$part]})"
-        measure "$part" || { failed+=("$part"); eti_say "$part failed; its tables in docs/ are unchanged."; continue; }
+        (measure "$part") || { failed+=("$part"); eti_say "$part failed; its tables in docs/ are unchanged."; continue; }
         case " ${STAMPED[*]} " in *" $part "*) stamps --record "$part" "deploy/figures.sh --only $part" || failed+=("$part") ;; esac
+        case " ${INDEPENDENT[*]} " in
+            *" $part "*) stamps --independent "$part" "deploy/figures.sh --only $part" || failed+=("$part") ;;
+        esac
     fi
+    case " $quick ${TABLED[*]} " in
+        " no "*" $part "*) "$ETI_PYTHON" -B "$ETI_ROOT/docs/tables.py" >&2 || failed+=("$part") ;;
+    esac
     if draws "$part"; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, drawing"
         plot --only "$part" || failed+=("$part")

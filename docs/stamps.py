@@ -20,6 +20,7 @@ DOCS = Path(__file__).resolve().parent
 STAMPS = DOCS / "charts" / "stamps.json"
 LINE = re.compile(r"(<!-- measured: ([\w-]+) -->\n)[^\n]*\n")
 UNSTAMPED = "unstamped"
+INDEPENDENT = "independent"     # of the physics: measures programs and network
 CANONICAL = ("--scenario", "term", "--operator", "expert", "--steps", "720", "--threads", "1", "--fast", "--no-dds", "--json")
 # The C library computes sines in other bits where the processor has fused operations; kernels run without AVX2.
 EVERYWHERE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2", "ETI_SIMD": "sse2"}
@@ -43,7 +44,7 @@ def stamp(command, physics):
 
 
 def is_stale(stamps, part):
-    return stamps["parts"].get(part, {}).get("physics") != stamps["physics"]
+    return stamps["parts"].get(part, {}).get("physics") not in (stamps["physics"], INDEPENDENT)
 
 
 def line(stamps, part):
@@ -54,6 +55,8 @@ def line(stamps, part):
     text = f"Measured on {known['date']} by `{known['command']}`, {known['machine']}, "
     if known["physics"] == UNSTAMPED:
         return f"*{text}before physics versions were recorded.*"
+    if known["physics"] == INDEPENDENT:
+        return f"*{text}independent of the physics.*"
     text += f"physics version {known['physics']}."
     return f"*{text}*" if not is_stale(stamps, part) else (
         f"***Stale:** measured with physics version {known['physics']}, current is {stamps['physics']}.* *{text}*")
@@ -83,16 +86,23 @@ def main():
     actions = parser.add_mutually_exclusive_group(required=True)
     actions.add_argument("--update", action="store_true", help="record the current physics version; pages show what is stale")
     actions.add_argument("--record", nargs=2, metavar=("PART", "COMMAND"), help="stamp a part that was just measured")
+    actions.add_argument("--independent", nargs=2, metavar=("PART", "COMMAND"), help="the same for one that no physics moves")
     actions.add_argument("--stale", nargs="+", metavar="PART", help="print which of these parts are stale, in this order")
+    actions.add_argument("--version", action="store_true", help="print the current physics version")
     actions.add_argument("--check", action="store_true", help="exit 1 if the physics version differs from the recorded one")
     options = parser.parse_args()
     stamps = load()
     noted, stamps["physics"] = stamps["physics"], physics_version(options.server)
+    if options.version:
+        print(stamps["physics"])
+        return 0
     if options.check:
         print(f"physics version {stamps['physics']}, recorded {noted}")
         return int(noted != stamps["physics"])
     if options.record:
         stamps["parts"][options.record[0]] = stamp(options.record[1], stamps["physics"])
+    if options.independent:
+        stamps["parts"][options.independent[0]] = stamp(options.independent[1], INDEPENDENT)
     if options.stale:
         print(*(part for part in options.stale if is_stale(stamps, part)), sep="\n")
     else:

@@ -3,20 +3,22 @@
 # Copyright the NeoETI authors
 """Difficulty of each preset for the scripted operators.
 
-Usage: presets.py BIN [--scenario NAME] [--preset NAME]... [--set NAME=VALUE]... [--operator NAME]... [--seeds N]
+Usage: presets.py BIN [--scenario NAME] [--preset NAME]... [--set NAME=VALUE]... [--operator NAME]... [--seeds N] [--jobs N]
 
 Each preset's values are written into the scenario, so that they hold from the start; expert and novice intubate, as
-fast as the machine can, with seeds 1 to N. Prints a table: share of the glottis at the best view, greatest force on the
-upper gum, time of the attempt, each the mean over the seeds, and the number of tubes in the trachea. Of `secretion`,
-which no scenario sets, only the presence is used: the scenario has `saliva: on`.
+fast as the machine can, with seeds 1 to N. Prints a table (CSV): share of the glottis at the best view, greatest force
+on the upper gum, time of the attempt, each the mean over the seeds, and the number of tubes in the trachea. Of
+`secretion`, which no scenario sets, only the presence is used: the scenario has `saliva: on`.
 """
 
 import argparse
+import csv
 import json
 import statistics
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import yaml
@@ -53,13 +55,15 @@ def run(server, scenario, operator, seed):
     return json.loads(done.stdout)
 
 
+HEADER = ("preset", "operator", "glottic_opening_percent", "gum_force_n", "time_s", "intubated", "attempts")
+
+
 def row(name, operator, results):
     def mean(key, part=None):
         values = [result["parameters"][key] for result in results]
         return statistics.fmean(value[part] if part else value for value in values)
-    return (f"| `{name}` | {operator} | {mean('glottic_opening_percent', 'max'):.0f} | "
-            f"{mean('gum_force_n', 'max'):.1f} | {mean('time_s'):.1f} | "
-            f"{sum(result['success'] for result in results)} of {len(results)} |")
+    return (name, operator, f"{mean('glottic_opening_percent', 'max'):.1f}", f"{mean('gum_force_n', 'max'):.2f}",
+            f"{mean('time_s'):.2f}", sum(result["success"] for result in results), len(results))
 
 
 def main():
@@ -70,6 +74,7 @@ def main():
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="overrides the preset's value")
     parser.add_argument("--operator", action="append", choices=OPERATORS, help="default: both")
     parser.add_argument("--seeds", type=int, default=3, help="runs of each [3]")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at once [1]")
     wanted = parser.parse_args()
     server = wanted.bin.resolve() / "eti-server"
     described = json.loads(subprocess.run([server, "--describe"], capture_output=True, text=True, check=True).stdout)
@@ -85,8 +90,10 @@ def main():
             parser.error(f"--set {one}: expected NAME=VALUE")
         if name != "secretion" and not any(stands_for(key, name) for key in keys):
             parser.error(f"--set {one}: no key of a scenario is named {name}; the preset's own names are in deploy/data/presets")
-    print("| preset | operator | glottis at best [%] | gum force [N] | time [s] | success |\n|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as folder:
+    table = csv.writer(sys.stdout, lineterminator="\n")
+    table.writerow(HEADER)
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(wanted.jobs) as pool:
+        rows = []
         for file in files:
             if wanted.preset and file.stem not in wanted.preset:
                 continue
@@ -95,8 +102,11 @@ def main():
                 name: yaml.safe_load(value) for name, value in (one.split("=", 1) for one in wanted.set)}
             scenario.write_text(with_preset(wanted.scenario, values, keys))
             for operator in wanted.operator or OPERATORS:
-                results = [run(server, scenario, operator, seed) for seed in range(1, wanted.seeds + 1)]
-                print(row(file.stem, operator, results), flush=True)
+                rows.append((file.stem, operator, [pool.submit(run, server, scenario, operator, seed)
+                                                   for seed in range(1, wanted.seeds + 1)]))
+        for name, operator, runs in rows:
+            table.writerow(row(name, operator, [one.result() for one in runs]))
+            sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -180,7 +180,7 @@ class Figures(unittest.TestCase):
         done = self.figures("--stale", "--list")
         self.assertEqual(done.returncode, 0, done.stderr)
         listed = done.stdout.splitlines()
-        self.assertEqual((listed[0], listed[-1]), ("calibration  two minutes", "soak         three hours"))
+        self.assertEqual((listed[0], listed[-1]), ("calibration  two minutes", "score        half an hour"))
         self.program("eti-server", "echo no patient >&2; exit 1")
         done = self.figures("--stale", "--list")
         self.assertEqual(done.returncode, 1)

@@ -6,17 +6,10 @@ import re
 import unittest
 from pathlib import Path
 
-from plot_accuracy import read
 from plotting import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 CHARTS = ROOT / "docs/charts"
-# Models of the sufficiency page by their names in sufficiency.csv, where these differ from the start of the page's
-# cell.
-MODELS = {"richest": "richest", "shipped": "default", "4 substeps": "substeps 4", "6 substeps": "substeps 6",
-          "16 substeps": "substeps 16", "tissue within 10 mm": "region 10 mm", "tissue within 15 mm": "region 15 mm",
-          "self-contact of tongue": "self-contact", "with saliva": "saliva", "without saliva": "no saliva"}
-FORCES = ["tongue", "blade", "gum", "epiglottis"]
 
 
 def table(page, heading):
@@ -37,59 +30,6 @@ class Tables(unittest.TestCase):
         written = re.match(r"[+-]?\d+(?:\.(\d+))?", cell)
         half = 0.5 * 10.0 ** -len(written[1] or "")
         self.assertLessEqual(abs(float(written[0]) - value), 1.001 * half, f"{cell} is written, {value} was measured")
-
-    def test_models_of_a_scene(self):
-        for heading, scenario in (("The term newborn", "term"), ("The premature newborn", "premature")):
-            measured = {row["variant"]: row for row in reversed(rows_of(CHARTS / "sufficiency.csv"))
-                        if row["scenario"] == scenario}
-            header, *rows = table("solver/sufficiency.md", heading)
-            self.assertEqual([name.split(",")[0] for name in header[3:7]], FORCES)
-            names = [next((MODELS[key] for key in MODELS if row[0].startswith(key)), row[0]) for row in rows]
-            self.assertEqual(sorted(names), sorted(measured), heading)
-            for name, (_, particles, view, *forces, intubated) in zip(names, rows):
-                row = measured[name]
-                with self.subTest(scenario=scenario, model=name):
-                    self.assertEqual(int(particles.replace(" ", "")), int(row["particles"]))
-                    self.agrees(view, float(row["glottic_opening_max_percent"]))
-                    for what, force in zip(FORCES, forces):
-                        self.agrees(force, float(row[f"{what}_force_max_n"]))
-                    self.assertEqual(intubated, "yes" if row["success"] == "1" else "no")
-
-    def test_goals_of_pictures(self):
-        measured = {row["meaning"]: row for row in rows_of(CHARTS / "render-goals.csv")}
-        _, *rows = table("rendering.md", "Goals")
-        self.assertEqual(sorted(row[0] for row in rows), sorted(measured))
-        for meaning, goal, worst, met in rows:
-            row = measured[meaning]
-            with self.subTest(measure=meaning):
-                self.assertEqual(goal, f"{row['goal']} {row['unit']}".strip())
-                self.agrees(worst, float(row["worst"]))
-                self.assertEqual(met, f"{row['met']} of {row['cases']}")
-
-    def test_errors_of_blocks(self):
-        errors = {(row["case"], row["method"]): row["error"] for row in read(CHARTS / "accuracy.csv")
-                  if (row["spacing"], row["substeps"], row["iterations"]) == (2.5, 8, 1)}
-        header, *rows = table("solver/accuracy.md", "Blocks")
-        self.assertGreaterEqual(len(rows), 6)
-        for method, *cells in rows:
-            for case, cell in zip(header[1:], cells):
-                with self.subTest(method=method, case=case):
-                    self.agrees(cell, 100 * errors[case, method])
-
-    def test_errors_of_the_tongue(self):
-        header, *rows = table("solver/accuracy.md", "Tongue")
-        self.assertGreaterEqual(len(rows), 6)
-        measured = [row for row in read(CHARTS / "accuracy.csv") if row["spacing"] == 2.0]
-        for method, force, shape in rows:
-            name = re.match(r"tetrahedra, \w+|clusters, calibrated [\w ]+|shape matching, XPBD", method)[0]
-            substeps = 1 if "implicit" in name else 16 if "16 substeps" in method else 8
-            for case, cell in (("tongue-force", force), ("tongue-shape", shape)):
-                found = [row["error"] for row in measured
-                         if (row["case"], row["method"], row["substeps"]) == (case, name, substeps)]
-                self.assertTrue(found, method)
-                for error in found:
-                    with self.subTest(method=method, case=case):
-                        self.agrees(cell, 100 * error)
 
     def follows(self, heading, file, columns, find=None, page="network-measured.md"):
         """Compares rows of a table with those of a file: the columns by number, empty where nothing was measured.
