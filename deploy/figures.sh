@@ -9,8 +9,8 @@ set -u
 PARTS=(accuracy calibration matter stability sufficiency sleep cost view presets study score haptics grid bus soak anatomy pictures render
        readers panel first_session report)
 # Duration of each on two cores.
-declare -A TAKES=([accuracy]="ten minutes" [calibration]="two minutes" [matter]="twelve minutes" [stability]="three minutes"
-                  [sufficiency]="fifteen minutes" [sleep]="three minutes" [cost]="three minutes" [view]="two minutes" [presets]="ten minutes" [study]="twenty minutes"
+declare -A TAKES=([accuracy]="three minutes" [calibration]="two minutes" [matter]="twelve minutes" [stability]="three minutes"
+                  [sufficiency]="seven minutes" [sleep]="three minutes" [cost]="three minutes" [view]="two minutes" [presets]="ten minutes" [study]="half an hour"
                   [score]="half an hour" [haptics]="ten minutes" [grid]="ten minutes" [bus]="an hour and three quarters" [soak]="three hours"
                   [anatomy]="a minute" [pictures]="a minute" [render]="five minutes" [readers]="five minutes" [panel]="a minute"
                   [first_session]="two minutes" [report]="two minutes")
@@ -27,7 +27,7 @@ OUT=$ETI_ROOT/out/figures
 usage() {
     cat <<USAGE
 Usage: deploy/figures.sh [--quick | --stale] [--only NAME]... [--demo DIR] [--no-build] [--no-install] [--list]
-Repeats the measurements shown in docs/ and draws them. What depends on the physics takes two hours and a half on two cores;
+Repeats the measurements shown in docs/ and draws them. What depends on the physics takes two hours on two cores;
 network and endurance take five hours more, and need no repetition when the physics changes. A part's tables replace those
 of docs/charts once its measurement has succeeded; until then they are in out/figures. Sessions of studies stay there, by
 physics version: they are run once.
