@@ -88,17 +88,30 @@ bench() {
     "$ETI_ROOT/build/release/bin/eti-bench" "$@" --out "$folder" && cp "$folder"/*.csv "$CHARTS"
 }
 
+# Whether a word is among others: among WORD OTHER...
+among() {
+    local other
+    for other in "${@:2}"; do [ "$other" = "$1" ] && return 0; done
+    return 1
+}
+
+# Waits for processes; whether all of them succeeded.
+all_succeed() {
+    local one failed=0
+    for one in "$@"; do wait "$one" || failed=1; done
+    return $failed
+}
+
 # halves PART ARGUMENT...: the same, as two processes that share the runs.
 halves() {
-    local folder=$OUT/$1 share running=() failed=0
+    local folder=$OUT/$1 share running=()
     shift
     rm -rf "$folder" && mkdir -p "$folder"
     for share in 0 1; do
         "$ETI_ROOT/build/release/bin/eti-bench" --threads 1 "$@" --out "$folder" --shard "$share/2" &
         running+=($!)
     done
-    for share in "${running[@]}"; do wait "$share" || failed=1; done
-    [ $failed = 0 ] && "$ETI_ROOT/build/release/bin/eti-bench" merge "$folder/merged" "$folder"/shard-* &&
+    all_succeed "${running[@]}" && "$ETI_ROOT/build/release/bin/eti-bench" merge "$folder/merged" "$folder"/shard-* &&
         cp "$folder"/merged/*.csv "$CHARTS"
 }
 
@@ -116,14 +129,13 @@ matter() {
 # sessions STUDY: its sessions in a folder of this physics version, which an interrupted run continues. Two processes share
 # them. Prints the folder.
 sessions() {
-    local folder=$OUT/$1-$(stamps --version) running=() failed=0 one
+    local folder=$OUT/$1-$(stamps --version) running=() one
     [ "$folder" != "$OUT/$1-" ] || return 1
     for one in 1 2; do
         "$ETI_ROOT/build/release/bin/eti-review" study "$1" --out "$folder" --threads 1 >&2 &
         running+=($!)
     done
-    for one in "${running[@]}"; do wait "$one" || failed=1; done
-    [ $failed = 0 ] && echo "$folder"
+    all_succeed "${running[@]}" && echo "$folder"
 }
 
 cost() {
@@ -320,14 +332,15 @@ for number in "${!only[@]}"; do
     if [ $quick = no ] || { [ "$part" = pictures ] && [ -n "$demo" ]; }; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, measuring (${TAKES[$part]})"
         (measure "$part") || { failed+=("$part"); eti_say "$part failed; its tables in docs/ are unchanged."; continue; }
-        case " ${STAMPED[*]} " in *" $part "*) stamps --record "$part" "deploy/figures.sh --only $part" || failed+=("$part") ;; esac
-        case " ${INDEPENDENT[*]} " in
-            *" $part "*) stamps --independent "$part" "deploy/figures.sh --only $part" || failed+=("$part") ;;
-        esac
+        if among "$part" "${STAMPED[@]}"; then
+            stamps --record "$part" "deploy/figures.sh --only $part" || failed+=("$part")
+        elif among "$part" "${INDEPENDENT[@]}"; then
+            stamps --independent "$part" "deploy/figures.sh --only $part" || failed+=("$part")
+        fi
+        if among "$part" "${TABLED[@]}"; then
+            "$ETI_PYTHON" -B "$ETI_ROOT/docs/tables.py" >&2 || failed+=("$part")
+        fi
     fi
-    case " $quick ${TABLED[*]} " in
-        " no "*" $part "*) "$ETI_PYTHON" -B "$ETI_ROOT/docs/tables.py" >&2 || failed+=("$part") ;;
-    esac
     if draws "$part"; then
         eti_say "== $((number + 1)) of ${#only[@]}: $part, drawing"
         plot --only "$part" || failed+=("$part")
