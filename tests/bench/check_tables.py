@@ -25,7 +25,6 @@ ROOT = Path(__file__).resolve().parents[2]
 CHARTS = ROOT / "docs/charts"
 
 
-
 class Accuracy(unittest.TestCase):
     def setUp(self):
         self.rows = plot_accuracy.read(CHARTS / "accuracy.csv")

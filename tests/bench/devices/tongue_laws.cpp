@@ -34,7 +34,6 @@ struct Tongue {
     std::vector<float> volume;
     std::vector<bool> held;
     std::vector<std::array<std::uint32_t, 4>> tetrahedra;
-    float spacing = 0.0f;         // [m]
     Vec3d down, touching;         // the blade's direction, and the point of its axis at first contact
     Vec3d along = Vec3d::Zero();  // its axis
     double radius = 0.0;          // [m]
@@ -56,7 +55,6 @@ Tongue tongue_of(const Scenario& scenario) {
             tongue.rest.push_back(patient::pose_point(set.rest[i], set.bones[i], bones));
             tongue.volume.push_back(8.0f * set.radius[i] * set.radius[i] * set.radius[i]);
             tongue.held.push_back(set.mass[i] == 0.0f);
-            tongue.spacing = 2.0f * set.radius[i];
         }
     }
     for (const auto& ends : patient.links.ends) {
