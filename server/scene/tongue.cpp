@@ -65,6 +65,23 @@ void Tongue::keep_apart(const SelfContactFinder::Description& description) {
     mesh_.self_contacts.reserve(self_contacts_.points());
 }
 
+void Tongue::set_rest(const pbd::Particles& particles) {
+    // Springs left where they were would damp a change of posture: they are as stiff as all that they hold.
+    const auto used = mesh_.particles();
+    auto spring = cluster_springs_.begin();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+        const Vec3f moved = particles.rest[used[k]] - mesh_.rest(k);
+        if (spring != cluster_springs_.end() && spring->particle == used[k]) {
+            spring->to += moved;
+            ++spring;
+        }
+        if (!push_[k].isZero(0.0f)) {
+            push_[k] += moved;
+        }
+    }
+    mesh_.set_rest(particles);
+}
+
 void Tongue::forget_contacts() {
     contacts_.reset();
     self_contacts_.reset();

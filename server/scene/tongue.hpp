@@ -67,7 +67,8 @@ class Tongue {
         }
     }
 
-    void set_rest(const pbd::Particles& particles) { mesh_.set_rest(particles); }
+    /// Adopts `particles.rest`. What holds the mesh from outside moves along with the rest shape.
+    void set_rest(const pbd::Particles& particles);
     /// [tetrahedra][Pa] and [hexahedra][Pa]
     void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra,
                             pbd::Particles& particles);
@@ -112,7 +113,8 @@ class Tongue {
     SelfContactFinder self_contacts_;
     std::vector<bool> moved_;                                 // [particles]
     std::vector<pbd::ImplicitMesh::Spring> cluster_springs_;  // from clusters
-    std::vector<Vec3f> from_, to_, push_;                     // [corners][m]
+    std::vector<Vec3f> from_, to_;                            // [corners][m]
+    std::vector<Vec3f> push_;  // [corners][m], from a corner to the end of the spring of what pushes it
     float substep_ = 0.0f, dt_ = 0.0f;                        // [s]
     // Steps since the last tool left, between which the tongue is drawn to rest.
     static constexpr int relax_begin = 18, relax_end = 108;

@@ -106,6 +106,8 @@ class ImplicitMesh {
     [[nodiscard]] std::size_t size() const { return tetrahedra_.size() + hexahedra_.size(); }
     /// [1/kg]
     [[nodiscard]] float inverse_mass(std::size_t corner) const { return inverse_mass_[corner]; }
+    /// [m], as last set
+    [[nodiscard]] Vec3f rest(std::size_t corner) const { return rest_[corner].head<3>(); }
     /// Stiffness [N/m] of a single corner with all others fixed, at rest; mean over directions.
     [[nodiscard]] float own_stiffness(std::size_t corner) const { return own_stiffness_[corner]; }
 

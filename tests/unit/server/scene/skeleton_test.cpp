@@ -297,6 +297,12 @@ class SceneSkeletonTest : public ::testing::Test {
     [[nodiscard]] Scene make(bool yields = true) const {
         return {test::coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}, .bones_yield = yields}};
     }
+    [[nodiscard]] Inputs posed(float elevation, float opening) const {
+        Inputs inputs = away_;
+        inputs.runtime_parameters.head_elevation = elevation;
+        inputs.runtime_parameters.jaw_opening = opening;
+        return inputs;
+    }
     /// The blade in the mouth, its tip over the tongue's highest point and `depth` [m] lower.
     [[nodiscard]] Inputs pressing(float depth) const {
         static const Vec3f dorsum = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
@@ -394,12 +400,6 @@ TEST_F(SceneSkeletonTest, ResetUnderPressureHasTheSameBits) {
 
 // Head and jaw moved as fast as a scene moves them, against a patient built in that posture.
 TEST_F(SceneSkeletonTest, MovedPostureEndsWhereItWouldBeBuilt) {
-    const auto posed = [&](float elevation, float opening) {
-        Inputs inputs = away_;
-        inputs.runtime_parameters.head_elevation = elevation;
-        inputs.runtime_parameters.jaw_opening = opening;
-        return inputs;
-    };
     const Inputs to = posed(max_head_elevation, max_jaw_opening);
     Scene moved(test::coarse_newborn(), scope_, Tube{}, posed(0.0f, 0.0f), {});
     for (int k = 0; k < 6 * steps_per_second; ++k) {
@@ -410,6 +410,20 @@ TEST_F(SceneSkeletonTest, MovedPostureEndsWhereItWouldBeBuilt) {
     const std::vector<Vec3f>& expected = built.tissue().body().particles.position;
     for (std::size_t i = 0; i < position.size(); ++i) {
         ASSERT_LT((position[i] - expected[i]).norm(), 20e-6f) << "particle " << i;
+    }
+}
+
+// Meanwhile, what holds the tongue from outside must not hold it back.
+TEST_F(SceneSkeletonTest, TongueDoesNotLagBehindAMovingPosture) {
+    Scene scene(test::coarse_newborn(), scope_, Tube{}, posed(0.0f, 0.0f), {});
+    for (int k = 0; k < 2 * steps_per_second; ++k) {
+        scene.step(posed(max_head_elevation, max_jaw_opening));
+    }
+    const pbd::Particles& particles = scene.tissue().body().particles;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+        if (scene.tissue().tongue().moves(i)) {
+            ASSERT_LT((particles.position[i] - particles.rest[i]).norm(), 0.1e-3f) << "particle " << i;
+        }
     }
 }
 
