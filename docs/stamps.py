@@ -18,6 +18,8 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 STAMPS = DOCS / "charts" / "stamps.json"
+NOTED = DOCS.parent / "server/scene/physics_version.hpp"     # for recordings
+VERSION = re.compile(r'(physics_version = ")(\w+)')
 LINE = re.compile(r"(<!-- measured: ([\w-]+) -->\n)[^\n]*\n")
 UNSTAMPED = "unstamped"
 INDEPENDENT = "independent"     # of the physics: measures programs and network
@@ -75,8 +77,14 @@ def load():
     return json.loads(STAMPS.read_text(encoding="utf-8"))
 
 
+def noted_version():
+    return VERSION.search(NOTED.read_text(encoding="utf-8"))[2]
+
+
 def save(stamps):
-    STAMPS.write_text(json.dumps(stamps, indent=1) + "\n", encoding="utf-8")
+    if stamps["physics"] != noted_version():
+        NOTED.write_text(VERSION.sub(rf"\g<1>{stamps['physics']}", NOTED.read_text(encoding="utf-8")), encoding="utf-8")
+    STAMPS.write_text(json.dumps({"parts": stamps["parts"]}, indent=1) + "\n", encoding="utf-8")
     refresh(stamps)
 
 
@@ -92,11 +100,12 @@ def main():
     actions.add_argument("--check", action="store_true", help="exit 1 if the physics version differs from the recorded one")
     options = parser.parse_args()
     stamps = load()
-    noted, stamps["physics"] = stamps["physics"], physics_version(options.server)
+    stamps["physics"] = physics_version(options.server)
     if options.version:
         print(stamps["physics"])
         return 0
     if options.check:
+        noted = noted_version()
         print(f"physics version {stamps['physics']}, recorded {noted}")
         return int(noted != stamps["physics"])
     if options.record:

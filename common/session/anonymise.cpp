@@ -18,7 +18,7 @@ namespace eti::session {
 namespace {
 
 /// Texts of `meta/more` needed to simulate a session again; all others are removed.
-constexpr std::array kept_more{processor_text, libraries_text, patient_hash_text};
+constexpr std::array kept_more{processor_text, libraries_text, physics_text, patient_hash_text};
 
 /// Paths of text data sets that contain names of people.
 constexpr std::array name_columns{"inputs/commands/sender", "annotations/sender", "ratings/rater"};

@@ -30,6 +30,7 @@ inline constexpr const char* skill_text = "operator_skill";     ///< of a script
 // Bit-equality depends on these beside the build.
 inline constexpr const char* processor_text = "processor";
 inline constexpr const char* libraries_text = "libraries";
+inline constexpr const char* physics_text = "physics";
 inline constexpr const char* patient_hash_text = "patient_hash";
 
 /// Metadata of a session.

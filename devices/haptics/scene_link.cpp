@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/bus/codec/convert.hpp"
+#include "devices/haptics/reports.hpp"
 #include "devices/haptics/timing.hpp"
 
 namespace eti::devices {
@@ -22,47 +23,6 @@ constexpr std::uint64_t session_gap_ns = 500'000'000;
 constexpr std::int64_t silence_ns = 500'000'000;  // reported to the user
 constexpr std::int64_t pace_window_ns = 250'000'000;
 constexpr float max_real_time_factor = 4.0f;
-constexpr float max_force = 1000.0f;  // [N]; a larger one is a sender's fault
-constexpr float max_speed = 100.0f;   // [m/s], [rad/s]
-// [ns], thirty years; later times are a sender's fault and would overflow where seconds are counted.
-constexpr std::uint64_t max_simulation_ns = 1'000'000'000'000'000'000;
-
-bool is_motion(const msg::ProxyState& m) {
-    // Written so that NaN is too fast too.
-    return bus::valid_pose(m.proxy()) && bus::valid_pose(m.device()) &&
-           from_msg(m.velocity()).norm() < max_speed && from_msg(m.angular_velocity()).norm() < max_speed &&
-           m.header().simulation_time_ns() < max_simulation_ns &&
-           std::ranges::all_of(m.contacts(), [](const msg::ShellContact& c) {
-               return bus::is_valid_point(c.position()) && std::isfinite(c.force()) &&
-                      std::abs(from_msg(c.normal()).norm() - 1.0f) < 1e-2f;
-           });
-}
-
-bool is_tissue(const msg::TissueContacts& m) {
-    return from_msg(m.force()).norm() < max_force && from_msg(m.torque()).norm() < max_force &&
-           std::ranges::all_of(m.contacts(),
-                               [](const msg::TissueContactPoint& c) {
-                                   return bus::is_valid_point(c.position()) &&
-                                          bus::is_valid_point(c.rest()) &&
-                                          from_msg(c.force()).norm() < max_force &&
-                                          std::isfinite(c.radius()) && c.tissue() < tissue_count;
-                               }) &&
-           bus::valid_pose(m.proxy());
-}
-
-/// Force-weighted centre of the first `count` contacts; the mean where there is no force.
-Vec3f centre_of(const std::vector<msg::ShellContact>& contacts, std::size_t count) {
-    Vec3f weighted = Vec3f::Zero(), plain = Vec3f::Zero();
-    float force = 0.0f;
-    for (std::size_t i = 0; i < count; ++i) {
-        const float weight = std::max(contacts[i].force(), 0.0f);
-        weighted += weight * from_msg(contacts[i].position());
-        plain += from_msg(contacts[i].position());
-        force += weight;
-    }
-    return force > 0.0f ? Vec3f(weighted / force)
-                        : Vec3f(plain / static_cast<float>(std::max<std::size_t>(count, 1)));
-}
 
 }  // namespace
 
@@ -131,7 +91,7 @@ bool SceneLink::take_proxy() {
     if (!proxy_topic_.take_latest(proxy_)) {
         return false;
     }
-    if (!is_motion(proxy_)) {
+    if (!read_report(proxy_, state_.proxy)) {
         return refuse(state_.proxy_arrived);
     }
     const std::int64_t now = monotonic_ns();
@@ -142,14 +102,6 @@ bool SceneLink::take_proxy() {
     }
     simulation_ns_ = simulation_ns;
     measure_real_time_factor(simulation_ns, now);
-    state_.proxy.proxy = {from_msg(proxy_.proxy()), from_msg(proxy_.velocity()),
-                          from_msg(proxy_.angular_velocity())};
-    state_.proxy.device = from_msg(proxy_.device());
-    state_.proxy.contacts = std::min(proxy_.contacts().size(), ProxyReport::max_contacts);
-    for (std::size_t i = 0; i < state_.proxy.contacts; ++i) {
-        state_.proxy.normals[i] = from_msg(proxy_.contacts()[i].normal()).normalized();
-    }
-    state_.proxy.contact_centre = centre_of(proxy_.contacts(), state_.proxy.contacts);
     state_.proxy_arrived = heard_ = now;
     state_.seen.time = static_cast<double>(simulation_ns) * 1e-9;
     state_.seen.proxy = state_.proxy.proxy.pose;
@@ -175,21 +127,9 @@ bool SceneLink::take_tissue() {
     if (!tissue_topic_ || !tissue_topic_->take_latest(tissue_)) {
         return false;
     }
-    if (!is_tissue(tissue_)) {
+    if (!read_report(tissue_, state_.tissue)) {
         return refuse(state_.tissue_arrived);
     }
-    TissueReport& report = state_.tissue;
-    report.wrench = {from_msg(tissue_.force()), from_msg(tissue_.torque())};
-    report.count = std::min(tissue_.contacts().size(), TissueReport::max_points);
-    for (std::size_t i = 0; i < report.count; ++i) {
-        const msg::TissueContactPoint& c = tissue_.contacts()[i];
-        report.points[i] = {from_msg(c.position()), from_msg(c.rest()), c.radius(),
-                            static_cast<Tissue>(c.tissue()), from_msg(c.force())};
-    }
-    report.represents = report.count > 0
-                            ? 1.0f + static_cast<float>(tissue_.dropped()) / static_cast<float>(report.count)
-                            : 1.0f;
-    report.proxy = from_msg(tissue_.proxy());
     state_.tissue_arrived = monotonic_ns();
     return true;
 }
@@ -198,11 +138,9 @@ bool SceneLink::take_tube() {
     if (!tube_topic_ || !tube_topic_->take_latest(tube_)) {
         return false;
     }
-    const Wrench wrench{from_msg(tube_.force()), from_msg(tube_.torque())};
-    if (!(wrench.force.norm() < max_force && wrench.torque.norm() < max_force)) {
+    if (!read_report(tube_, state_.tissue)) {
         return refuse(state_.tissue_arrived);
     }
-    state_.tissue.wrench = wrench;
     state_.tissue_arrived = monotonic_ns();
     return true;
 }

@@ -57,7 +57,9 @@ class Figures(unittest.TestCase):
         self.root = Path(folder.name)
         for part in ("deploy", "docs/charts", "tests/bench"):
             shutil.copytree(ROOT / part, self.root / part, ignore=shutil.ignore_patterns("__pycache__"))
-        shutil.copy(ROOT / "docs/stamps.py", self.root / "docs")
+        (self.root / "server/scene").mkdir(parents=True)
+        for file in ("docs/stamps.py", "server/scene/physics_version.hpp"):
+            shutil.copy(ROOT / file, self.root / file)
         (self.root / "docs/pictures").mkdir()
 
     def program(self, name, body):

@@ -2,19 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/app/output/haptic_publisher.hpp"
 
-#include <algorithm>
-
-#include "common/bus/codec/convert.hpp"
-#include "server/app/output/scene_messages.hpp"
-
 namespace eti::app {
-
-namespace {
-
-using bus::make_header;
-using bus::to_msg;
-
-}  // namespace
 
 HapticPublisher::HapticPublisher(bus::Node& node)
     : proxy_(node, bus::topics::proxy),
@@ -38,15 +26,7 @@ void HapticPublisher::post_visible_proxy(const scene::ProxySnapshot& proxy) {
 }
 
 void HapticPublisher::post_forces(const scene::Snapshot& s) {
-    Forces& f = newest_forces_.draft();
-    f.step = s.step;
-    f.time_ns = s.time_ns;
-    f.proxy = s.proxy;
-    f.tissue_force = s.tissue_force;
-    f.tissue_torque = s.tissue_torque;
-    f.tube_force = s.tube_force;
-    f.tube_torque = s.tube_torque;
-    f.contacts = s.tissue_contacts;
+    newest_forces_.draft().assign(s);
     newest_forces_.post();
     posted_.release();
 }
@@ -61,7 +41,7 @@ void HapticPublisher::finish() {
 
 void HapticPublisher::run() {
     const scene::ProxySnapshot* proxy = nullptr;
-    const Forces* forces = nullptr;
+    const HandForces* forces = nullptr;
     for (bool ending = false; !ending;) {
         posted_.acquire();
         ending =
@@ -80,31 +60,10 @@ void HapticPublisher::publish(const scene::ProxySnapshot& s) {
     proxy_.publish(message);
 }
 
-void HapticPublisher::publish(const Forces& s) {
-    msg::TissueContacts contacts;
-    contacts.header(make_header(s.time_ns, static_cast<std::uint32_t>(s.step)));
-    contacts.proxy(to_msg(s.proxy));
-    contacts.force(to_msg(s.tissue_force));
-    contacts.torque(to_msg(s.tissue_torque));
-    const std::size_t sent = std::min(msg::bound::TissueContacts_contacts, s.contacts.size());
-    contacts.dropped(static_cast<std::uint32_t>(s.contacts.size() - sent));
-    // A uniform subset of all contacts, so that a bounded message still covers the whole blade.
-    for (std::size_t i = 0; i < sent; ++i) {
-        const scene::TissueContact& t = s.contacts[i * s.contacts.size() / sent];
-        msg::TissueContactPoint c;
-        c.position(to_msg(t.position));
-        c.rest(to_msg(t.rest));
-        c.force(to_msg(t.force));
-        c.radius(t.radius);
-        c.tissue(static_cast<std::uint32_t>(t.tissue));
-        contacts.contacts().push_back(c);
-    }
+void HapticPublisher::publish(const HandForces& forces) {
+    msg::TissueContacts contacts = tissue_message(forces);
     contacts_.publish(contacts);
-
-    msg::TubeForce tube;
-    tube.header(contacts.header());
-    tube.force(to_msg(s.tube_force));
-    tube.torque(to_msg(s.tube_torque));
+    msg::TubeForce tube = tube_message(forces);
     tube_force_.publish(tube);
 }
 

@@ -3,14 +3,12 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <semaphore>
 #include <thread>
-#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/process/threads/mailbox.hpp"
-#include "server/scene/snapshot.hpp"
+#include "server/app/output/scene_messages.hpp"
 
 namespace eti::app {
 
@@ -36,24 +34,16 @@ class HapticPublisher {
     [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
   private:
-    /// The parts of a snapshot that are sent.
-    struct Forces {
-        std::uint64_t step = 0, time_ns = 0;
-        RigidTransform proxy;
-        Vec3f tissue_force, tissue_torque, tube_force, tube_torque;
-        std::vector<scene::TissueContact> contacts;
-    };
-
     void run();
     void publish(const scene::ProxySnapshot& s);
-    void publish(const Forces& s);
+    void publish(const HandForces& forces);
 
     bus::Publisher<msg::ProxyState> proxy_;
     bus::Publisher<msg::TissueContacts> contacts_;
     bus::Publisher<msg::TubeForce> tube_force_;
 
     Mailbox<scene::ProxySnapshot> newest_proxy_;
-    Mailbox<Forces> newest_forces_;
+    Mailbox<HandForces> newest_forces_;
     std::counting_semaphore<> posted_{0};
     std::atomic<bool> ending_{false};
     std::uint64_t skipped_ = 0;

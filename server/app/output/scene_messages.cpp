@@ -106,6 +106,47 @@ msg::ProxyState proxy_message(const scene::ProxySnapshot& s) {
     return message;
 }
 
+void HandForces::assign(const scene::Snapshot& s) {
+    step = s.step;
+    time_ns = s.time_ns;
+    proxy = s.proxy;
+    tissue_force = s.tissue_force;
+    tissue_torque = s.tissue_torque;
+    tube_force = s.tube_force;
+    tube_torque = s.tube_torque;
+    contacts = s.tissue_contacts;
+}
+
+msg::TissueContacts tissue_message(const HandForces& forces) {
+    msg::TissueContacts message;
+    message.header(make_header(forces.time_ns, static_cast<std::uint32_t>(forces.step)));
+    message.proxy(to_msg(forces.proxy));
+    message.force(to_msg(forces.tissue_force));
+    message.torque(to_msg(forces.tissue_torque));
+    const std::size_t all = forces.contacts.size();
+    const std::size_t sent = std::min(msg::bound::TissueContacts_contacts, all);
+    message.dropped(static_cast<std::uint32_t>(all - sent));
+    for (std::size_t i = 0; i < sent; ++i) {
+        const scene::TissueContact& t = forces.contacts[i * all / sent];
+        msg::TissueContactPoint c;
+        c.position(to_msg(t.position));
+        c.rest(to_msg(t.rest));
+        c.force(to_msg(t.force));
+        c.radius(t.radius);
+        c.tissue(static_cast<std::uint32_t>(t.tissue));
+        message.contacts().push_back(c);
+    }
+    return message;
+}
+
+msg::TubeForce tube_message(const HandForces& forces) {
+    msg::TubeForce message;
+    message.header(make_header(forces.time_ns, static_cast<std::uint32_t>(forces.step)));
+    message.force(to_msg(forces.tube_force));
+    message.torque(to_msg(forces.tube_torque));
+    return message;
+}
+
 void DeformationMessages::make(const scene::Snapshot& snapshot,
                                const std::function<void(msg::DeformationState&)>& send, bool whole) {
     const std::size_t count = snapshot.frames.size();

@@ -38,6 +38,19 @@ struct AttemptStatus : metrics::LiveMetrics {
 
 [[nodiscard]] msg::ProxyState proxy_message(const scene::ProxySnapshot& proxy);
 
+/// What a step's tissue and tube do to the hands that hold the tools.
+struct HandForces {
+    std::uint64_t step = 0, time_ns = 0;
+    RigidTransform proxy;
+    Vec3f tissue_force, tissue_torque, tube_force, tube_torque;
+    std::vector<scene::TissueContact> contacts;
+
+    void assign(const scene::Snapshot& snapshot);
+};
+/// A uniform subset of the contacts, so that a bounded message still covers the whole blade.
+[[nodiscard]] msg::TissueContacts tissue_message(const HandForces& forces);
+[[nodiscard]] msg::TubeForce tube_message(const HandForces& forces);
+
 [[nodiscard]] msg::LiveMetrics live_message(const scene::Snapshot& snapshot, const AttemptStatus& live);
 
 /// Frames as last sent on one topic, so that only changes are sent.

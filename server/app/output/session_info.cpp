@@ -12,6 +12,7 @@
 #include "server/patient/model/patient_hash.hpp"
 #include "server/pbd/lanes.hpp"
 #include "server/rigid/rigid_layer.hpp"
+#include "server/scene/physics_version.hpp"
 
 namespace eti::app {
 
@@ -45,6 +46,7 @@ session::SessionInfo session_info(const Scenario& scenario, const patient::Patie
         fmt::format("{}, {}", model_name(), pbd::has_avx2() ? "kernels for AVX2" : "plain kernels");
     info.more[libraries_text] =
         fmt::format("glibc {}, Bullet {}", ::gnu_get_libc_version(), rigid::library_version());
+    info.more[physics_text] = scene::physics_version;
     info.more[patient_hash_text] = fmt::format("{:016x}", patient::hash_of(patient));
     if (scenario.manikin) {
         info.more[session::manikin_text] = "on";
@@ -66,6 +68,8 @@ std::vector<std::string> differences(const session::SessionInfo& recorded, const
     compare("build", recorded.build, here.build);
     compare("processor", text_of(recorded, processor_text), text_of(here, processor_text));
     compare("set of libraries", text_of(recorded, libraries_text), text_of(here, libraries_text));
+    const std::string physics = text_of(recorded, physics_text);
+    compare("physics", physics.empty() ? "an earlier version" : physics, text_of(here, physics_text));
     compare("patient, by the hash of its model", text_of(recorded, patient_hash_text),
             text_of(here, patient_hash_text));
     return out;

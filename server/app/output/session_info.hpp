@@ -14,7 +14,7 @@
 
 namespace eti::app {
 
-using session::libraries_text, session::patient_hash_text, session::processor_text;
+using session::libraries_text, session::patient_hash_text, session::physics_text, session::processor_text;
 /// Name of a further text in a session file.
 inline constexpr const char* scenario_folder_text = "scenario_folder";
 

@@ -170,13 +170,18 @@ class Resimulate(support.Programs):
         with h5py.File(self.record, "r+") as file:
             file["meta"].attrs["build"] = "compiler 1.0, AVX-512"
             file["meta/more"].attrs["processor"] = "another one"
+            file["meta/more"].attrs["physics"] = "01234567"
             file["meta/more"].attrs["patient_hash"] = "0"
             file["scene/definitions"].attrs["version"] = numpy.uint64(99)
         reasons = self.resimulate(status=1)["reasons"]
-        for reason, words in zip(reasons, ("compiler 1.0, AVX-512", "another one", "patient", "version 99"), strict=True):
+        for reason, words in zip(reasons, ("compiler 1.0, AVX-512", "another one", "01234567 in the recording", "patient",
+                                           "version 99"), strict=True):
             self.assertIn(words, reason)
+        with h5py.File(self.record, "r+") as file:
+            del file["meta/more"].attrs["physics"]      # as recorded before it was noted
         said = support.run("eti-server", "--resimulate", self.record)
         self.assertEqual(said.returncode, 1)
+        self.assertIn("different physics: an earlier version in the recording", said.stdout)
         self.assertIn("first difference: step 401 (2.228 s), tools/", said.stdout)
 
     def test_overridden_parameter_changes_outcome(self):

@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 #include <memory>
 #include <vector>
 
-#include "common/math/random.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "server/rigid/rigid_layer.hpp"
 
@@ -25,41 +23,6 @@ constexpr std::int64_t origin_ns = 1'000 * ms;  // never 0: a timestamp of 0 mea
 constexpr float above = 5e-3f, pressed = -4e-3f, deeper = -6e-3f;  // [m], of the blade's underside
 constexpr float approach = 0.05f;                                  // [m/s]
 constexpr int bumped_at = 2000, held_from = 3000, deeper_at = 4000, cycles = 6200;
-
-/// A message in transit.
-template <class Message>
-struct Line {
-    struct Sent {
-        std::int64_t arrives;
-        Message message;
-    };
-    std::deque<Sent> on_the_way;
-
-    void send(const Message& message, std::int64_t now, const Channel& channel, Random& random) {
-        if (static_cast<double>(random.uniform()) < channel.loss) {
-            return;
-        }
-        const double late = 0.5 * channel.delay + channel.jitter * static_cast<double>(random.uniform());
-        on_the_way.push_back({now + static_cast<std::int64_t>(1e9 * late), message});
-    }
-    /// The newest message that has arrived; an overtaken one is dropped, as with KEEP_LAST.
-    bool receive(std::int64_t now, Message& message) {
-        bool any = false;
-        std::int64_t newest = 0;
-        std::erase_if(on_the_way, [&](const Sent& sent) {
-            if (sent.arrives > now) {
-                return false;
-            }
-            if (sent.arrives >= newest) {
-                newest = sent.arrives;
-                message = sent.message;
-                any = true;
-            }
-            return true;
-        });
-        return any;
-    }
-};
 
 const Vec3f gimbal(0.0f, 0.06f, 0.0f);  // [m], tool frame
 

@@ -9,6 +9,7 @@
 
 #include "common/device/hand.hpp"
 #include "devices/haptics/force_renderer.hpp"
+#include "tests/validation/haptics/channel.hpp"
 
 namespace eti::validation {
 
@@ -28,13 +29,6 @@ enum class Move : std::uint8_t {
 enum class Motors : std::uint8_t {
     six,    ///< force and torque
     three,  ///< a force at its gimbal, 60 mm up the handle, whose joints turn freely
-};
-
-/// The connection between device and server; half of the delay each way.
-struct Channel {
-    double delay = 0.0;   ///< [s], round trip
-    double jitter = 0.0;  ///< [s], maximum extra delay of a message, each way, uniformly distributed
-    double loss = 0.0;    ///< share of messages lost, each way
 };
 
 struct Grip {

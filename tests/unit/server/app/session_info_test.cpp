@@ -29,17 +29,19 @@ TEST(SessionInfo, DifferencesNameEveryReproducibilityInput) {
     recorded.build = "compiler 1";
     recorded.more[processor_text] = "another";
     recorded.more[libraries_text] = "Bullet 2";
+    recorded.more[physics_text] = "01234567";
     EXPECT_THAT(differences(recorded, here),
                 ElementsAre(AllOf(HasSubstr("version"), HasSubstr("0.0.1 in the recording")),
                             HasSubstr("compiler 1"), AllOf(HasSubstr("processor"), HasSubstr("another in")),
-                            HasSubstr("Bullet 2"), HasSubstr("patient")));
+                            HasSubstr("Bullet 2"), HasSubstr("01234567 in"), HasSubstr("patient")));
 }
 
-TEST(SessionInfo, FieldsMissingInOlderFilesAreIgnored) {
+TEST(SessionInfo, OlderFilesAreOfAnEarlierPhysics) {
     const patient::Patient patient = test::coarse_newborn();
     session::SessionInfo recorded = session_info(Scenario{}, patient);
     recorded.more.clear();
-    EXPECT_THAT(differences(recorded, session_info(Scenario{}, patient)), IsEmpty());
+    EXPECT_THAT(differences(recorded, session_info(Scenario{}, patient)),
+                ElementsAre(HasSubstr("physics: an earlier version in the recording")));
 }
 
 }  // namespace
