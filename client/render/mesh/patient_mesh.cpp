@@ -176,10 +176,7 @@ void PatientMesh::update(const view::SceneView& scene) {
     if (blade_ && scene.keys()) {
         const PosedBladeClearanceDeformer placed =
             blade_clearance_for(scene.keys()->laryngoscope(), *blade_, scene.landmarks());
-        gives_way = [give_way = placed.give_way, to_blade = blade_->inverse()](const Vec3f& centre,
-                                                                               float radius) {
-            return give_way.moves(to_blade * centre, radius) ? give_way.reach() : 0.0f;
-        };
+        gives_way = [placed](const Vec3f& centre, float radius) { return placed.reach(centre, radius); };
     }
     for (Part& part : parts_) {
         part.blocks.update(scene.frame_maps(), gives_way);

@@ -45,14 +45,6 @@ struct MeshContact {
         contact.particle[0] = index;
         return contact;
     }
-    /// A point on the edge between two particles, from the first (0) to the second (1).
-    [[nodiscard]] static MeshContact on_edge(std::uint32_t first, std::uint32_t second, float along) {
-        MeshContact contact;
-        contact.particle = {first, second};
-        contact.share = {1.0f - along, along};
-        contact.corners = 2;
-        return contact;
-    }
     [[nodiscard]] std::span<const std::uint32_t> particles() const { return {particle.data(), corners}; }
     [[nodiscard]] std::span<const float> shares() const { return {share.data(), corners}; }
     [[nodiscard]] Vec3f across(const Vec3f& displacement) const {

@@ -177,7 +177,7 @@ class Stage {
     Stage()
         : file_(std::filesystem::temp_directory_path() / (there_ + ".yaml")),
           server_((std::ofstream(file_) << scenario, file_.string()), there_, domain_),
-          relay_(place(there_, domain_, "relay"), place(here_, domain_, "relay"), {}),
+          relay_(place(there_, domain_, "relay"), place(here_, domain_, bus::server_name.data()), {}),
           node_(place(here_, domain_, "eti-haptics")),
           link_(node_, devices::SceneLink::ForceSource::tissue),
           listener_(place(there_, domain_, "listener")),

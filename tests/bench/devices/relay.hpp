@@ -53,7 +53,7 @@ class TopicRelay {
 };
 
 /// Stands between a server's session and a device's in place of a network: best-effort samples are delayed
-/// and lost, reliable ones arrive complete.
+/// and lost, reliable ones arrive complete. `device` has the server's name: nobody else's proxy is felt.
 class Relay {
   public:
     Relay(const bus::Options& server, const bus::Options& device, const Channel& channel)

@@ -197,7 +197,6 @@ Pressed by_implicit_mesh(const Tongue& tongue, double depth, double youngs_modul
         for (const pbd::MeshContact& c : mesh.contacts) {
             force[c.particle[0]] = c.force;
             if (step >= steps - averaged) {
-                out.force += c.force.cast<double>().dot(tongue.down) / averaged;
                 out.contact_force[c.particle[0]] -= c.force / static_cast<float>(averaged);
             }
         }

@@ -14,7 +14,7 @@
 
 #include "server/pbd/contact/contact.hpp"
 #include "tests/bench/server/accuracy/scene_contact.hpp"
-#include "tests/bench/server/matter/lift_path.hpp"
+#include "tests/bench/server/source_file.hpp"
 
 namespace eti::bench {
 

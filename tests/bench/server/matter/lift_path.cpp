@@ -26,11 +26,6 @@ constexpr int steps_at_rest = 270;         // with the blade at rest, until tiss
 
 }  // namespace
 
-std::filesystem::path source_file(const std::filesystem::path& path) {
-    // ROOT/build/PRESET/bin/PROGRAM
-    return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "../../.." / path;
-}
-
 LiftPath record_lift(const Scenario& scenario, const patient::Patient& patient) {
     const OperatorScript script = load_operator(find_data_file("expert", "operators"));
     scene::Inputs inputs = app::parked_inputs(scenario, patient);

@@ -18,9 +18,6 @@ using LiftPath = std::vector<RigidTransform>;
 /// The shipped expert's lift in this scenario, to the best view, then still for some seconds.
 [[nodiscard]] LiftPath record_lift(const Scenario& scenario, const patient::Patient& patient);
 
-/// A file of the source tree, in which the program was built: `path` is relative to the tree's root.
-[[nodiscard]] std::filesystem::path source_file(const std::filesystem::path& path);
-
 /// Text of one pose in ten steps: `time_s,x,y,z,qw,qx,qy,qz`, in metres in the patient frame.
 void write_path(const LiftPath& path, const std::filesystem::path& file);
 /// Reads it, interpolating linearly between poses.

@@ -23,6 +23,7 @@
 #include "tests/bench/server/matter/block_cases.hpp"
 #include "tests/bench/server/matter/lift_path.hpp"
 #include "tests/bench/server/matter/tissue_volume.hpp"
+#include "tests/bench/server/source_file.hpp"
 #include "tests/bench/server/table.hpp"
 
 namespace eti::bench {
@@ -227,7 +228,7 @@ nlohmann::ordered_json row_of(const std::string& scenario, const std::string& va
             {"tongue_force_held_n", lift.tongue_force},
             {"epiglottis_force_held_n", lift.epiglottis_force},
             {"blade_force_n", lift.greatest_blade},
-            {"gum_force_n", lift.greatest_gum},
+            {"gum_force_expert_n", lift.greatest_gum},
             {"gum_force_lever_n", lift.lever_gum},
             {"tongue_force_n", lift.greatest_tongue},
             {"epiglottis_force_n", lift.greatest_epiglottis},

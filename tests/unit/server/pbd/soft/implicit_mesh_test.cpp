@@ -145,7 +145,10 @@ TEST(ImplicitMesh, EdgeContactActsAtBarycentricPoint) {
     block.mesh.settings.iterations = 200;
     Particles& p = block.particles();
     const auto& corners = block.body.lattice.tetrahedra.front();
-    MeshContact c = MeshContact::on_edge(corners[0], corners[1], 0.25f);
+    MeshContact c;
+    c.particle = {corners[0], corners[1]};
+    c.share = {0.75f, 0.25f};
+    c.corners = 2;
     c.normal = Vec3f::UnitX();
     c.gap = -1e-4f;
     block.mesh.contacts = {c};
