@@ -107,6 +107,7 @@ void SelfContactFinder::configure(const Description& description) {
     seen_.reserve(used_.size());
     cell_.reserve(points_.size());
     in_cell_.reserve(points_.size());
+    at_in_cell_.reserve(points_.size());
     point_of_contact_.reserve(points_.size());
     cell_start_.reserve(std::size_t{most_cells} * most_cells * most_cells + 2);
     pairs_.reserve(expected_pairs * points_.size());
@@ -256,6 +257,7 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
     };
     cell_.resize(points_.size());
     in_cell_.resize(points_.size());
+    at_in_cell_.resize(points_.size());
     cell_start_.assign(static_cast<std::size_t>(size.prod()) + 1, 0);
     for (std::size_t k = 0; k < points_.size(); ++k) {
         cell_[k] = index_of(cell_of(particles.predicted[points_[k].particle]));
@@ -266,7 +268,9 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
     }
     for (std::size_t k = points_.size(); k-- > 0;) {
         // Fills each cell from its end, after which the entry of the next cell holds this one's start.
-        in_cell_[--cell_start_[cell_[k] + 1]] = static_cast<std::uint32_t>(k);
+        const std::uint32_t n = --cell_start_[cell_[k] + 1];
+        in_cell_[n] = static_cast<std::uint32_t>(k);
+        at_in_cell_[n] = particles.predicted[points_[k].particle];
     }
     cell_start_.erase(cell_start_.begin());
     cell_start_.push_back(static_cast<std::uint32_t>(points_.size()));
@@ -288,12 +292,12 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
                 const std::uint32_t first = cell_start_[index_of({low.x(), y, z})];
                 const std::uint32_t end = cell_start_[index_of({high.x(), y, z}) + 1];
                 for (std::uint32_t n = first; n < end; ++n) {
-                    const Point& point = points_[in_cell_[n]];
-                    const Vec3f from_centre = point.rest - elements_[t].centre;
-                    if (point.own && from_centre.norm() + elements_[t].radius < own_neighbourhood) {
+                    if (!around.contains(at_in_cell_[n])) {
                         continue;
                     }
-                    if (around.contains(particles.predicted[point.particle])) {
+                    const Point& point = points_[in_cell_[n]];
+                    if (!point.own ||
+                        (point.rest - elements_[t].centre).norm() + elements_[t].radius >= own_neighbourhood) {
                         pairs_.push_back({t, in_cell_[n]});
                     }
                 }

@@ -84,6 +84,7 @@ class SelfContactFinder {
     std::vector<Vec3f> seen_;                                 // [used_][m], when pairs were collected
     std::vector<std::array<std::uint32_t, 2>> pairs_;         // element, point; by element
     std::vector<std::uint32_t> cell_, cell_start_, in_cell_;
+    std::vector<Vec3f> at_in_cell_;                // [points][m], in the order of in_cell_
     std::vector<Hit> hits_;                        // [points]
     std::vector<Memory> memory_;                   // [points]
     std::vector<std::uint32_t> point_of_contact_;  // [contacts of the last call]: point
