@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +28,7 @@ class ServerProcess {
         const std::string number = std::to_string(domain);
         process_ = ::fork();
         if (process_ == 0) {
+            ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a killed bench leaves no server at real-time priority
             const int silence = ::open("/dev/null", O_WRONLY);
             ::dup2(silence, STDERR_FILENO);
             ::dup2(silence, STDOUT_FILENO);
