@@ -296,8 +296,8 @@ void SelfContactFinder::collect_pairs(const pbd::Particles& particles) {
                         continue;
                     }
                     const Point& point = points_[in_cell_[n]];
-                    if (!point.own ||
-                        (point.rest - elements_[t].centre).norm() + elements_[t].radius >= own_neighbourhood) {
+                    if (!point.own || (point.rest - elements_[t].centre).norm() + elements_[t].radius >=
+                                          own_neighbourhood) {
                         pairs_.push_back({t, in_cell_[n]});
                     }
                 }

@@ -115,7 +115,7 @@ class Tongue {
     std::vector<pbd::ImplicitMesh::Spring> cluster_springs_;  // from clusters
     std::vector<Vec3f> from_, to_;                            // [corners][m]
     std::vector<Vec3f> push_;  // [corners][m], from a corner to the end of the spring of what pushes it
-    float substep_ = 0.0f, dt_ = 0.0f;                        // [s]
+    float substep_ = 0.0f, dt_ = 0.0f;  // [s]
     // Steps since the last tool left, between which the tongue is drawn to rest.
     static constexpr int relax_begin = 18, relax_end = 108;
     int away_ = relax_end;

@@ -214,8 +214,8 @@ LiveOutcome run_live(const LiveCase& live) {
     const ServerProcess server("term", there, domain);
     std::unique_ptr<Relay> relay;
     if (live.channel) {
-        relay = std::make_unique<Relay>(place(there, domain, "relay"), place(here, domain, bus::server_name.data()),
-                                        *live.channel);
+        relay = std::make_unique<Relay>(place(there, domain, "relay"),
+                                        place(here, domain, bus::server_name.data()), *live.channel);
     }
     // Same thread priorities as eti-haptics; otherwise the round trips would include a listener's scheduling
     // delay.
