@@ -379,7 +379,8 @@ bool is_valid(std::uint8_t kind, std::uint8_t flags, Bytes content, const Partic
 
 bool is_well_formed(Bytes datagram, const std::function<bool(const WriterSubmessage&)>& refused) {
     constexpr std::array<std::uint8_t, 4> magic = {'R', 'T', 'P', 'S'};
-    if (datagram.size() < header_size || !std::ranges::equal(datagram.first(4), magic) || datagram[4] != 2) {
+    // The library reads the first submessage's kind from a header alone, too, behind the datagram's end.
+    if (datagram.size() <= header_size || !std::ranges::equal(datagram.first(4), magic) || datagram[4] != 2) {
         return false;
     }
     ParticipantId participant{};
