@@ -335,7 +335,7 @@ for number in "${!only[@]}"; do
         if among "$part" "${STAMPED[@]}"; then
             stamps --record "$part" "deploy/figures.sh --only $part" || failed+=("$part")
         elif among "$part" "${INDEPENDENT[@]}"; then
-            stamps --independent "$part" "deploy/figures.sh --only $part" || failed+=("$part")
+            stamps --independent --record "$part" "deploy/figures.sh --only $part" || failed+=("$part")
         fi
         if among "$part" "${TABLED[@]}"; then
             "$ETI_PYTHON" -B "$ETI_ROOT/docs/tables.py" >&2 || failed+=("$part")

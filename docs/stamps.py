@@ -94,10 +94,10 @@ def main():
     actions = parser.add_mutually_exclusive_group(required=True)
     actions.add_argument("--update", action="store_true", help="record the current physics version; pages show what is stale")
     actions.add_argument("--record", nargs=2, metavar=("PART", "COMMAND"), help="stamp a part that was just measured")
-    actions.add_argument("--independent", nargs=2, metavar=("PART", "COMMAND"), help="the same for one that no physics moves")
     actions.add_argument("--stale", nargs="+", metavar="PART", help="print which of these parts are stale, in this order")
     actions.add_argument("--version", action="store_true", help="print the current physics version")
     actions.add_argument("--check", action="store_true", help="exit 1 if the physics version differs from the recorded one")
+    parser.add_argument("--independent", action="store_true", help="with --record: no physics moves this part")
     options = parser.parse_args()
     stamps = load()
     stamps["physics"] = physics_version(options.server)
@@ -109,9 +109,8 @@ def main():
         print(f"physics version {stamps['physics']}, recorded {noted}")
         return int(noted != stamps["physics"])
     if options.record:
-        stamps["parts"][options.record[0]] = stamp(options.record[1], stamps["physics"])
-    if options.independent:
-        stamps["parts"][options.independent[0]] = stamp(options.independent[1], INDEPENDENT)
+        part, command = options.record
+        stamps["parts"][part] = stamp(command, INDEPENDENT if options.independent else stamps["physics"])
     if options.stale:
         print(*(part for part in options.stale if is_stale(stamps, part)), sep="\n")
     else:

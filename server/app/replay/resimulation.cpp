@@ -257,8 +257,7 @@ class Resimulation {
         if (out.empty()) {
             out.push_back(
                 "version, build, processor, libraries, physics and patient are the same: the file was "
-                "changed "
-                "after the recording, or the simulation depends on something else");
+                "changed after the recording, or the simulation depends on something else");
         }
         return out;
     }

@@ -24,29 +24,11 @@ constexpr float above = 5e-3f, pressed = -4e-3f, deeper = -6e-3f;  // [m], of th
 constexpr float approach = 0.05f;                                  // [m/s]
 constexpr int bumped_at = 2000, held_from = 3000, deeper_at = 4000, cycles = 6200;
 
-const Vec3f gimbal(0.0f, 0.06f, 0.0f);  // [m], tool frame
-
-/// A device in a hand that follows the case's trajectory.
-class PlannedHand final : public devices::Sensor {
+/// Follows the case's trajectory.
+class PlannedHand final : public HeldDevice {
   public:
     PlannedHand(const LoopCase& loop, const Laryngoscope& scope)
-        : lever_(loop.move == Move::lever),
-          three_(loop.motors == Motors::three),
-          part_(scope.capsules[lever_ ? 2 : 1]),
-          hand_(settings_of(loop), pose_at(above)) {}
-
-    devices::Reading exchange(const Wrench& wrench, float elapsed) override {
-        if (elapsed > 0.0f) {
-            const Vec3f arm = hand_.motion().pose.rotation * gimbal;
-            hand_.step(pose_at(wanted_), three_ ? Wrench{wrench.force, arm.cross(wrench.force)} : wrench,
-                       elapsed);
-        }
-        devices::Reading reading;
-        reading.motion = hand_.motion();
-        reading.motion.pose = hand_.reported();
-        reading.sample = ++sample_;
-        return reading;
-    }
+        : PlannedHand(loop, scope.capsules[loop.move == Move::lever ? 2 : 1]) {}
 
     void want(int cycle) {
         const float way = std::max(pressed, above - approach * 1e-3f * static_cast<float>(cycle));
@@ -56,11 +38,16 @@ class PlannedHand final : public devices::Sensor {
         }
     }
     /// Height of the blade's underside above the surface [m]; for a lever, at its end.
-    [[nodiscard]] float height() const { return (hand_.motion().pose * end()).y() - part_.radius; }
+    [[nodiscard]] float height() const { return (pose() * end()).y() - part_.radius; }
 
-    [[nodiscard]] RigidTransform start() const { return pose_at(above); }
+    [[nodiscard]] RigidTransform start() const { return pose_at(above, lever_, part_); }
 
   private:
+    PlannedHand(const LoopCase& loop, const Capsule& part)
+        : HeldDevice(loop.motors, settings_of(loop), pose_at(above, loop.move == Move::lever, part)),
+          lever_(loop.move == Move::lever),
+          part_(part) {}
+    [[nodiscard]] RigidTransform wanted() override { return pose_at(wanted_, lever_, part_); }
     static HandSettings settings_of(const LoopCase& loop) {
         HandSettings settings;
         settings.hand_stiffness = loop.grip.stiffness;
@@ -72,19 +59,17 @@ class PlannedHand final : public devices::Sensor {
         return settings;
     }
     [[nodiscard]] Vec3f end() const { return lever_ ? part_.b : Vec3f(Vec3f::Zero()); }
-    [[nodiscard]] RigidTransform pose_at(float height) const {
-        if (lever_) {
-            const float turn = std::asin((above - height) / part_.b.z());
-            return {quaternion_from({turn, 0.0f, 0.0f}), {0.0f, part_.radius + above, 0.0f}};
+    [[nodiscard]] static RigidTransform pose_at(float height, bool lever, const Capsule& part) {
+        if (lever) {
+            const float turn = std::asin((above - height) / part.b.z());
+            return {quaternion_from({turn, 0.0f, 0.0f}), {0.0f, part.radius + above, 0.0f}};
         }
-        return {Quatf::Identity(), {0.0f, part_.radius + height, 0.0f}};
+        return {Quatf::Identity(), {0.0f, part.radius + height, 0.0f}};
     }
 
-    bool lever_, three_;
+    bool lever_;
     Capsule part_;
     float wanted_ = above;
-    HandDevice hand_;
-    std::uint64_t sample_ = 0;
 };
 
 /// A device moved kinematically, whatever force it gets: at rest, at a constant speed, and abruptly at rest
@@ -294,7 +279,7 @@ devices::RenderSettings settings_of(const LoopCase& loop) {
     settings.safety = loop.safety;
     if (loop.motors == Motors::three) {
         settings.torque = false;
-        settings.gimbal = gimbal;
+        settings.gimbal = HeldDevice::gimbal;
         settings.coupling.torque_limit = 0.0f;
     }
     if (loop.move == Move::lever) {

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "common/device/hand.hpp"
 #include "devices/haptics/force_renderer.hpp"
 #include "tests/validation/haptics/channel.hpp"
+#include "tests/validation/haptics/held_device.hpp"
 
 namespace eti::validation {
 
@@ -23,12 +23,6 @@ enum class Medium : std::uint8_t {
 enum class Move : std::uint8_t {
     press,  ///< flat, by translating the whole blade
     lever,  ///< by its end, turning it about the grip, on a wall; the parameter is the rotational stiffness
-};
-
-/// The device's actuators.
-enum class Motors : std::uint8_t {
-    six,    ///< force and torque
-    three,  ///< a force at its gimbal, 60 mm up the handle, whose joints turn freely
 };
 
 struct Grip {

@@ -26,7 +26,6 @@ namespace {
 
 constexpr std::int64_t ns_per_ms = 1'000'000;
 constexpr std::int64_t origin_ns = 1'000 * ns_per_ms;  // a time of 0 means that nothing has arrived
-const Vec3f gimbal(0.0f, 0.06f, 0.0f);                 // [m], tool frame
 
 // [ms]: forces engage in front of the tongue, the blade presses it, turns, and is held while the assistant
 // moves head and jaw; then all are still.
@@ -103,41 +102,28 @@ class Session {
     std::int64_t next_step_ = origin_ns;
 };
 
-/// A device in a firm grip that follows a plan.
-class Hand final : public devices::Sensor {
+/// Follows the plan in a firm grip.
+class Hand final : public HeldDevice {
   public:
     Hand(Motors motors, const Laryngoscope& scope, const Vec3f& dorsum)
-        : motors_(motors), scope_(scope), dorsum_(dorsum), device_({}, wanted(0)) {}
+        : HeldDevice(motors, {}, pose_at(0, scope, dorsum)), scope_(scope), dorsum_(dorsum) {}
 
-    devices::Reading exchange(const Wrench& wrench, float elapsed) override {
-        if (elapsed > 0.0f) {
-            const Vec3f arm = device_.motion().pose.rotation * gimbal;
-            device_.step(wanted(++at_ms_),
-                         motors_ == Motors::three ? Wrench{wrench.force, arm.cross(wrench.force)} : wrench,
-                         elapsed);
-        }
-        devices::Reading reading;
-        reading.motion = device_.motion();
-        reading.motion.pose = device_.reported();
-        reading.sample = ++sample_;
-        return reading;
-    }
     /// [m]
-    [[nodiscard]] Vec3f tip() const { return device_.motion().pose * scope_.tip(); }
-    [[nodiscard]] RigidTransform wanted(int at_ms) const {
-        const Quatf turn(
-            Eigen::AngleAxisf((-90.0f + 15.0f * ramp(at_ms, turns, moves)) * degree, Vec3f::UnitX()));
-        const Vec3f tip = dorsum_ + Vec3f(0.0f, 0.0f, 6e-3f - 14e-3f * ramp(at_ms, presses, turns));
-        return {turn, tip - turn * scope_.tip()};
-    }
+    [[nodiscard]] Vec3f tip() const { return pose() * scope_.tip(); }
+    [[nodiscard]] RigidTransform start() const { return pose_at(0, scope_, dorsum_); }
 
   private:
-    Motors motors_;
+    [[nodiscard]] RigidTransform wanted() override { return pose_at(++at_ms_, scope_, dorsum_); }
+    [[nodiscard]] static RigidTransform pose_at(int at_ms, const Laryngoscope& scope, const Vec3f& dorsum) {
+        const Quatf turn(
+            Eigen::AngleAxisf((-90.0f + 15.0f * ramp(at_ms, turns, moves)) * degree, Vec3f::UnitX()));
+        const Vec3f tip = dorsum + Vec3f(0.0f, 0.0f, 6e-3f - 14e-3f * ramp(at_ms, presses, turns));
+        return {turn, tip - turn * scope.tip()};
+    }
+
     Laryngoscope scope_;
     Vec3f dorsum_;
-    HandDevice device_;
     int at_ms_ = 0;
-    std::uint64_t sample_ = 0;
 };
 
 struct Case {
@@ -162,11 +148,11 @@ TEST_P(YieldingPatient, ForcesStayWithinThePromise) {
     devices::RenderSettings settings;
     if (GetParam().motors == Motors::three) {
         settings.torque = false;
-        settings.gimbal = gimbal;
+        settings.gimbal = HeldDevice::gimbal;
         settings.coupling.torque_limit = 0.0f;
     }
     Hand hand(GetParam().motors, scope, dorsum);
-    const auto session = std::make_unique<Session>(GetParam().channel, scope, hand.wanted(0));
+    const auto session = std::make_unique<Session>(GetParam().channel, scope, hand.start());
     devices::HapticCycle cycle(hand, session->newest, settings);
 
     const CouplingSettings& device = settings.coupling;
