@@ -117,19 +117,21 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
     }
     const int numbers_begin = list.VtxBuffer.Size;
     Gap gap{edge(), width_ - edge(), edge(), height_ - fonts_.px(24.0f)};  // above the tiles' titles
-    if (!tiles.empty()) {
+    const bool helping = !readout.keys.empty();  // alone with alarms and notices, which it must not hide
+    if (!tiles.empty() && !helping) {
         static_cast<float>(first.width) < fonts_.px(least_tile_width) ||
                 static_cast<float>(first.height) < fonts_.px(least_tile_height)
             ? draw_strip(list, readout, gap)
             : draw_numbers(list, readout, first, gap);
     }
-    if (readout.vital_signs) {
+    if (readout.vital_signs && !helping) {
         draw_vital_signs(list, *readout.vital_signs, gap);
     }
     const int notice_begin = list.VtxBuffer.Size;
-    draw_notice(list, readout, gap);
-    if (readout.verdict) {
-        draw_verdict(list, *readout.verdict, gap);
+    if (readout.verdict && !helping) {
+        draw_verdict(list, readout, gap);
+    } else {
+        draw_notice(list, readout, gap);
     }
     const int alarms_begin = list.VtxBuffer.Size;
     draw_alarms(list, readout.alarms, first, gap);
@@ -137,15 +139,18 @@ void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, i
         fade(list, numbers_begin, notice_begin);
         fade(list, alarms_begin, list.VtxBuffer.Size);
     }
-    draw_guidance(list, readout, gap);
-    draw_top(list, readout, gap);
+    if (helping) {
+        draw_help(list, readout, gap);
+    } else {
+        draw_guidance(list, readout, gap);
+        draw_top(list, readout, gap);
+    }
     list.ChannelsSetCurrent(0);
     for (Tile tile : tiles) {
         place_labels(tile, *fonts_.small, boxes_);
         draw_tile(list, tile, tiles.size() > 1);
     }
     list.ChannelsMerge();
-    draw_help(list, readout);
     end();
 }
 
@@ -200,8 +205,8 @@ void Hud::draw_title(ImDrawList& list, const Tile& tile) {
                  title.c_str());
 }
 
-// At the bottom: messages of the server or the connection.
-void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) {
+// Messages of the server or the connection.
+TextLine Hud::notice_line(const Readout& readout) {
     TextLine line{.text = {}, .value = {}, .large = true};
     switch (readout.link) {
         case ServerLink::waiting:
@@ -223,6 +228,12 @@ void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) {
             line.sign = line.large ? std::optional(Level::bad) : std::nullopt;
             break;
     }
+    return line;
+}
+
+// At the bottom.
+void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) {
+    const TextLine line = notice_line(readout);
     if (line.text.empty()) {
         return;
     }
@@ -253,14 +264,20 @@ float Hud::beside_numbers(float wide, const Gap& gap) const {
     return std::floor(gap.left + wide <= gap.right ? std::clamp(middle, gap.left, gap.right - wide) : middle);
 }
 
-// A band along the lower edge, above the notice: the face is in the middle of every view.
-void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, Gap& gap) {
+// A band along the lower edge, with the notice in it: the face is in the middle of every view.
+void Hud::draw_verdict(ImDrawList& list, const Readout& readout, Gap& gap) {
+    const Verdict& verdict = *readout.verdict;
     std::vector<TextLine> lines{{.text = verdict.title,
                                  .value = {},
                                  .colour = colour_of(verdict.level),
                                  .large = true,
                                  .sign = verdict.level},
                                 {.text = verdict.reason, .value = {}}};
+    // The newest message only says that the attempt has ended.
+    if (readout.link != ServerLink::running || !readout.warning.empty()) {
+        lines.push_back(notice_line(readout));
+        lines.back().large = false;
+    }
     for (const auto& [label, value] : verdict.numbers) {
         lines.push_back({.text = label + " " + value, .value = {}, .colour = grey});
     }
@@ -313,12 +330,8 @@ void Hud::draw_top(ImDrawList& list, const Readout& readout, const Gap& gap) {
     add_box(list, lines, ImVec2(beside_numbers(wide, gap), gap.top), wide);
 }
 
-// Above everything else, in as many columns as fit; in smaller letters if the picture is too small for all
-// keys.
-void Hud::draw_help(ImDrawList& list, const Readout& readout) {
-    if (readout.keys.empty()) {
-        return;
-    }
+// In as many columns as fit; in smaller letters if the picture is too small for all keys.
+void Hud::draw_help(ImDrawList& list, const Readout& readout, const Gap& gap) {
     ImFont& font = *fonts_.small;
     struct Cell {
         int column;
@@ -341,7 +354,7 @@ void Hud::draw_help(ImDrawList& list, const Readout& readout) {
             if (room < 8.0f * size) {
                 break;
             }
-            const float most = height_ - 2.0f * edge() - 2.0f * margin;
+            const float most = gap.bottom - edge() - 2.0f * margin;
             std::vector<Cell> cells;
             float y = 0.0f, lowest = 0.0f;
             int column = 0;
@@ -361,15 +374,15 @@ void Hud::draw_help(ImDrawList& list, const Readout& readout) {
             }
             const float wide = static_cast<float>(column + 1) * cell + margin, high = lowest + 2.0f * margin;
             const ImVec2 corner(std::floor(std::max(edge(), 0.5f * (width_ - wide))),
-                                std::floor(std::max(edge(), 0.5f * (height_ - high))));
+                                std::floor(std::max(edge(), 0.5f * (gap.bottom - high))));
             list.AddRectFilled(corner, ImVec2(corner.x + wide, corner.y + high), opaque_shade,
                                fonts_.px(box_corner));
             boxes_.push_back({{corner.x, corner.y}, {corner.x + wide, corner.y + high}});
             for (std::size_t i = 0; i < cells.size(); ++i) {
                 const ImVec2 at(std::floor(corner.x + margin + static_cast<float>(cells[i].column) * cell),
                                 std::floor(corner.y + margin + cells[i].y));
-                list.AddText(&font, size, at, blue, readout.keys[i].first.c_str());
-                list.AddText(&font, size, ImVec2(std::floor(at.x + captions), at.y), white,
+                list.AddText(&font, size, at, white, readout.keys[i].first.c_str());
+                list.AddText(&font, size, ImVec2(std::floor(at.x + captions), at.y), grey,
                              readout.keys[i].second.c_str(), nullptr, room);
             }
             return;

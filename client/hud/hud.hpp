@@ -64,10 +64,11 @@ class Hud {
     void draw_vital_signs(ImDrawList& list, const Readout::VitalSigns& signs, Gap& gap);
     void draw_notice(ImDrawList& list, const Readout& readout, Gap& gap);
     void draw_alarms(ImDrawList& list, std::span<const std::string> alarms, const Tile& first, Gap& gap);
-    void draw_verdict(ImDrawList& list, const Verdict& verdict, Gap& gap);
+    void draw_verdict(ImDrawList& list, const Readout& readout, Gap& gap);
+    [[nodiscard]] static TextLine notice_line(const Readout& readout);
     void draw_guidance(ImDrawList& list, const Readout& readout, const Gap& gap);
     void draw_top(ImDrawList& list, const Readout& readout, const Gap& gap);
-    void draw_help(ImDrawList& list, const Readout& readout);
+    void draw_help(ImDrawList& list, const Readout& readout, const Gap& gap);
     [[nodiscard]] float beside_numbers(float wide, const Gap& gap) const;
 
     std::map<int, TextFonts> fonts_by_height_;

@@ -148,14 +148,12 @@ std::vector<NumberRow> number_rows(const Readout& readout) {
 
 // Wide enough for every text that may stand in the rows, so that the box keeps its width.
 float numbers_width(const TextFonts& fonts, std::span<const NumberRow> rows) {
-    std::vector<TextLine> lines;
-    for (float LiveMeasures::*const measure :
-         {&LiveMeasures::gum_force_n, &LiveMeasures::glottic_opening_percent,
-          &LiveMeasures::tube_depth_past_glottis, &LiveMeasures::tube_force_n}) {
-        lines.push_back(row(label_of(measure), "88.8 cm"));
-        lines.back().sign = Level::bad;
-    }
-    lines.push_back(row(translate("blade depth"), "88.8 cm"));
+    std::vector<TextLine> lines{row(label_of(&LiveMeasures::gum_force_n), "88.8 N"),
+                                row(label_of(&LiveMeasures::glottic_opening_percent), "100 %"),
+                                row(label_of(&LiveMeasures::tube_depth_past_glottis), "88.8 cm"),
+                                row(label_of(&LiveMeasures::tube_force_n), "8.88 N"),
+                                row(translate("blade depth"), "88.8 cm")};
+    lines.front().sign = Level::bad;
     for (const std::string_view alone :
          {"blade outside", "tube before cords", "tube depth unknown", "no attempt yet"}) {
         lines.push_back(row(translate(alone), {}));

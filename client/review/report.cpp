@@ -202,7 +202,8 @@ ordered_json score_json(const ScoreModel& model, const Summary& summary) {
     ordered_json out = to_json(score_of(model, summary.run.metrics, summary.run.outcome.success), model);
     out["statement"] = text::translate_sentence(out["statement"].get<std::string>());
     for (ordered_json& one : out["contributions"]) {
-        one["label"] = translate(one["label"].get<std::string>());
+        const std::string label = one["label"];
+        one["label"] = translate(label);
     }
     return out;
 }

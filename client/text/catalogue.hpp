@@ -41,7 +41,7 @@ void set_language(std::string_view code);
 
 [[nodiscard]] std::string translate_arguments(std::string_view english, fmt::format_args arguments);
 
-/// Formats with the translated format string, whose placeholders may stand in another order.
+/// Formats with the translated format string, whose fields may stand in another order.
 template <class... Arguments>
 [[nodiscard]] std::string translate_format(fmt::format_string<Arguments...> english,
                                            const Arguments&... arguments) {

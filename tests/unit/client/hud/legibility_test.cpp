@@ -182,7 +182,7 @@ TEST_F(Legibility, TextsStayInTheirBoxesInAllLanguages) {
                 }
                 // The face is in the middle of every view.
                 const hud::Box face{{0.25f * static_cast<float>(width), 0.25f * static_cast<float>(height)},
-                                    {0.75f * static_cast<float>(width), 0.7f * static_cast<float>(height)}};
+                                    {0.75f * static_cast<float>(width), 0.75f * static_cast<float>(height)}};
                 EXPECT_FALSE(overlay_.verdict_box() && overlay_.verdict_box()->meets(face)) << where;
                 for (const hud::Box& box : overlay_.boxes()) {
                     EXPECT_TRUE(
