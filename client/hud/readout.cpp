@@ -34,12 +34,13 @@ Verdict verdict_of(const bus::AttemptReport& report) {
     Verdict verdict;
     const Outcome& outcome = report.outcome;
     verdict.level = !outcome.known ? Level::neutral : outcome.success ? Level::good : Level::bad;
-    verdict.title = fmt::format("{}: {}",
-                                report.attempt == 0 ? std::string(translate("session"))
-                                                    : text::translate_format("attempt {}", report.attempt),
-                                !outcome.known    ? translate("outcome unknown")
-                                : outcome.success ? translate("success")
-                                                  : translate("no success"));
+    verdict.title =
+        text::translate_format("{}: {}",
+                               report.attempt == 0 ? std::string(translate("session"))
+                                                   : text::translate_format("attempt {}", report.attempt),
+                               !outcome.known    ? translate("outcome unknown")
+                               : outcome.success ? translate("success")
+                                                 : translate("no success"));
     verdict.reason = text::translate_sentence(outcome.reason);
     for (double AttemptMetrics::*const one : shown) {
         const auto field = std::ranges::find(metric_fields, one, &MetricField::value);

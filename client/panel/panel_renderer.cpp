@@ -59,6 +59,16 @@ std::string labelled(std::string_view english) {
     return fmt::format("{}###{}", translate(english), english);
 }
 
+// Puts the next button beside the last one if there is room for its translation.
+void beside(std::string_view english) {
+    ImGui::SameLine();
+    const std::string words(translate(english));
+    const float wide = ImGui::CalcTextSize(words.c_str()).x + 2.0f * ImGui::GetStyle().FramePadding.x;
+    if (ImGui::GetContentRegionAvail().x < wide) {
+        ImGui::NewLine();
+    }
+}
+
 // `english`: translated here.
 void explain(std::string_view english) {
     if (ImGui::IsItemHovered()) {
@@ -496,18 +506,18 @@ void PanelRenderer::draw_session(Model& model) {
             model.request("start");
         }
         explain(text::translatable("Checks that the session runs; it does from the server's start"));
-        ImGui::SameLine();
+        beside("Reset");
         if (button(std::string(text::translatable("Reset")))) {
             model.request("reset");
         }
         explain(text::translatable("Resets tissue and tube; time and attempts continue"));
-        ImGui::SameLine();
+        beside("Next scenario");
         if (button(std::string(text::translatable("Next scenario")))) {
             model.request("next");
         }
         explain(text::translatable(
             "Ends this session and starts the next, if the server was given several scenarios"));
-        ImGui::SameLine();
+        beside("Stop ...");
         confirming_stop_ =
             button(std::string(text::translatable("Stop ..."))) ? !confirming_stop_ : confirming_stop_;
         if (confirming_stop_) {
@@ -516,7 +526,7 @@ void PanelRenderer::draw_session(Model& model) {
                 confirming_stop_ = false;
                 model.request("stop");
             }
-            ImGui::SameLine();
+            beside("Cancel");
             confirming_stop_ = !button(std::string(text::translatable("Cancel"))) && confirming_stop_;
         }
     }
