@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector2f;
 
 // In thirteenths of the letters' height, as are the following constants.
-constexpr float dot_radius = 5.0f, rim = 1.5f, line_width = 2.0f, dash = 8.0f, dash_gap = 5.0f;
+constexpr float dot_radius = 5.0f, rim = 1.5f, line_width = 2.0f, dash = 10.0f, dash_gap = 4.0f;
 constexpr float beside = 10.0f;          // distance of a text from its anchor
 const Vector2f text_margin(3.0f, 1.0f);  // padding around a text
 constexpr int rows_away = 12;            // of a text from its mark, at most

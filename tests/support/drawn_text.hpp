@@ -106,7 +106,8 @@ struct DrawnLine {
                                                  .box.intersection(lines[i].clip)
                                                  .intersection(lines[j].box)
                                                  .intersection(lines[j].clip);
-            if (!both.isEmpty() && both.volume() > 0.0f) {
+            // Antialiasing widens a letter by up to half a pixel on each side.
+            if (!both.isEmpty() && (both.sizes().array() > 1.0f).all()) {
                 return "'" + lines[j].text + "' and '" + lines[i].text + "'";
             }
         }
