@@ -20,7 +20,7 @@ using Eigen::Vector2f;
 constexpr float dot_radius = 5.0f, rim = 1.5f, line_width = 2.0f, dash = 10.0f, dash_gap = 4.0f;
 constexpr float beside = 10.0f;          // distance of a text from its anchor
 const Vector2f text_margin(3.0f, 1.0f);  // padding around a text
-constexpr int rows_away = 12;            // of a text from its mark, at most
+constexpr int rows_away = 6;             // of a text from its mark, at most
 
 bool is_dot(const Mark& mark) {
     return mark.from == mark.to;
@@ -85,7 +85,8 @@ void place_labels(Tile& tile, const ImFont& font, std::span<const Box> boxes) {
     for (Mark& mark : tile.marks | std::views::reverse) {
         mark.label.reset();
         const auto anchor = last_within(mark, room);
-        if (mark.text.empty() || !anchor) {
+        const auto hides_anchor = [&](const Box& box) { return anchor && Box{*anchor, *anchor}.within(box); };
+        if (mark.text.empty() || !anchor || std::ranges::any_of(boxes, hides_anchor)) {
             continue;
         }
         const Vector2f size = size_of(mark, font);

@@ -49,8 +49,8 @@ struct Tile {
 };
 
 /// Places each mark's text within the tile so that it overlaps no other text, dot or one of `boxes`. Later
-/// marks are placed first and stay nearest to their anchor. Texts of dots outside the tile are hidden, as are
-/// texts for which there is no room; a line's text is placed at its last point inside.
+/// marks are placed first and stay nearest to their anchor. Texts of dots outside the tile or beneath a box
+/// are hidden, as are texts for which there is no room; a line's text is placed at its last point inside.
 void place_labels(Tile& tile, const ImFont& font, std::span<const Box> boxes = {});
 
 /// Draws lines and dots, then all texts that have a place. A level is a shape as well as a colour: dots as in
