@@ -239,9 +239,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         return *status;
     }
     // Without the font there are no letters for most languages.
-    text::set_language(language != "auto"            ? language
-                       : hud::letters_file().empty() ? text::languages().front().code
-                                                     : text::language_of_environment());
+    text::set_language(hud::letters_file().empty() ? text::languages().front().code
+                       : language == "auto"        ? text::language_of_environment()
+                                                   : language);
     options.headset = view == headset_name;
     if (options.instructor && options.headset) {
         std::cerr << "--instructor excludes --view hmd, which follows the trainee's eyes; omit one of them\n";
