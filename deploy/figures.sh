@@ -5,6 +5,7 @@
 # Regenerates the figures of docs/ and README: measures, draws, and copies them to where the pages show them.
 set -u
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+export LANGUAGE=en  # of texts in pictures
 
 PARTS=(accuracy calibration matter stability sufficiency sleep cost view presets study score haptics grid bus soak anatomy pictures render
        readers panel first_session report)

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "client/render/passes/annotation_pass.hpp"
+#include "client/text/catalogue.hpp"
 #include "client/view/sight/airway_axes.hpp"
 #include "common/math/units.hpp"
 
@@ -73,9 +74,11 @@ void add_line_of_sight(std::vector<hud::Mark>& marks, const Projection& projecti
         if (whole) {
             add(marks, projection, met->position, sight.to, hud::Level::bad);
         }
-        add(marks, projection, met->position, met->position, hud::Level::bad, std::string(met->name));
+        add(marks, projection, met->position, met->position, hud::Level::bad,
+            std::string(text::translate(met->name)));
     } else {
-        add(marks, projection, sight.to, sight.to, hud::Level::good, "glottis in sight");
+        add(marks, projection, sight.to, sight.to, hud::Level::good,
+            std::string(text::translate("glottis in sight")));
     }
 }
 
@@ -94,9 +97,10 @@ void add_axes(std::vector<hud::Mark>& marks, const Projection& projection, const
     const view::AirwayAxes axes = view::airway_axes(scene.landmarks(), scene.live().head_elevation);
     const auto degrees = [](float angle) { return static_cast<double>(angle / degree); };
     // Each axis but the first shows its angle to the previous one.
-    const std::array texts{std::string(axes.axes[0].name),
-                           fmt::format("{}, {:.0f} deg", axes.axes[1].name, degrees(axes.mouth_to_throat)),
-                           fmt::format("{}, {:.0f} deg", axes.axes[2].name, degrees(axes.throat_to_larynx))};
+    const std::array texts{
+        std::string(text::translate(axes.axes[0].name)),
+        fmt::format("{}, {:.0f} deg", text::translate(axes.axes[1].name), degrees(axes.mouth_to_throat)),
+        fmt::format("{}, {:.0f} deg", text::translate(axes.axes[2].name), degrees(axes.throat_to_larynx))};
     for (std::size_t i = 0; i < texts.size(); ++i) {
         // A headset's eye may be nearer than the axis extends.
         if (const auto line = projection.line(axes.axes[i].from, axes.axes[i].to)) {

@@ -2,9 +2,8 @@
 // Copyright the NeoETI authors
 #include "client/app/annotator.hpp"
 
-#include <fmt/format.h>
-
 #include "client/app/window/special_keys.hpp"
+#include "client/text/catalogue.hpp"
 #include "common/bus/codec/convert.hpp"
 #include "common/model/utf8.hpp"
 
@@ -36,8 +35,8 @@ void Annotator::start(const render::PickHit& at) {
 void Annotator::begin(const std::optional<render::PickHit>& at) {
     sketch_.reset();
     if (!at || at->object.empty()) {
-        error_ = at ? fmt::format("the {} cannot be marked: point at tissue or at the blade", at->name)
-                    : "nothing to mark there";
+        error_ = at ? text::translate("the tube cannot be marked: point at tissue or at the blade")
+                    : text::translate("nothing to mark there");
         return;
     }
     start(*at);
@@ -104,7 +103,7 @@ void Annotator::send(const bus::Annotation& annotation) {
     msg::Annotation message = bus::encode_annotation(annotation);
     message.header(bus::make_header(0, ++number_));
     if (!send_(message)) {
-        error_ = "no server accepts remarks or marks";
+        error_ = text::translate("no server accepts remarks or marks");
     }
 }
 

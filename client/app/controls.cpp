@@ -4,14 +4,22 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "client/app/window/compositor.hpp"
 #include "client/app/window/vantage_controls.hpp"
+#include "client/hands/hands.hpp"
+#include "client/text/catalogue.hpp"
+#include "client/text/server_sentences.hpp"
 
 namespace eti::client {
 namespace {
+
+using text::translatable;
+using text::translate;
 
 using namespace std::chrono_literals;
 
@@ -20,35 +28,48 @@ constexpr auto command_delivery_wait = 500ms;
 constexpr float mark_step = 4.0f;  // [pixels], between two points of a drawn line
 
 constexpr char32_t key_follow = U't', key_write = U'w', key_wipe = U'z';
-const std::vector<std::pair<std::string, std::string>> mark_keys{
-    {"w", "write a remark; Enter sends it"},
-    {"shift", "click to point, drag to draw; a remark being written is the label"},
-    {"z", "clear all marks"}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> mark_keys{
+    {{"w", translatable("write a remark; Enter sends it")},
+     {translatable("shift"),
+      translatable("click to point, drag to draw; a remark being written is the label")},
+     {"z", translatable("clear all marks")}}};
 
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool marks) {
     std::vector<std::pair<std::string, std::string>> out{
-        {"h ?", "this help"}, {"p F1", "the instructor's panel"}, {"Esc", "end"}};
+        {"h ?", std::string(translate("this help"))},
+        {"p F1", std::string(translate("the instructor's panel"))},
+        {"Esc", std::string(translate("end"))}};
     for (const Selection& one : selections()) {
-        out.emplace_back(std::string(1, one.key), fmt::format("{}: {}", one.name, one.help));
+        out.emplace_back(std::string(1, one.key),
+                         fmt::format("{}: {}", translate(one.name), translate(one.help)));
     }
-    out.emplace_back("mouse", mouse_help());
+    out.emplace_back(translate("mouse"), translate(mouse_help()));
     for (const VantageKey& key : vantage_keys()) {
-        out.emplace_back(key.caption, key.help);
+        out.emplace_back(key.caption, translate(key.help));
     }
     if (commands) {
         for (const CommandKey& key : command_keys()) {
-            out.emplace_back(key.caption, key.help);
+            out.emplace_back(translate(key.caption), translate(key.help));
         }
     }
     if (marks || !commands) {
-        out.emplace_back("t", "the trainee's eye, or a free viewpoint");
+        out.emplace_back("t", translate("the trainee's eye, or a free viewpoint"));
     }
     if (marks) {
-        out.insert(out.end(), mark_keys.begin(), mark_keys.end());
+        for (const auto& [key, help] : mark_keys) {
+            out.emplace_back(translate(key), translate(help));
+        }
     }
     return out;
+}
+
+bool is_shortcut(char32_t key) {
+    constexpr std::u32string_view others = U"h?ptwz";
+    return (key < 128 && selection_for_key(static_cast<char>(key)) != nullptr) ||
+           vantage_key(key) != nullptr || command_key(key) != nullptr || hands::is_hand_key(key) ||
+           others.find(key) != others.npos;
 }
 
 void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, Time now) {
@@ -59,7 +80,7 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
     } else if (key == key_follow && may_follow_trainee_ && !repeated) {
         follows_trainee_ = !follows_trainee_;
         if (follows_trainee_ && !scene.trainee_eye()) {
-            show_notice("no trainee's client reports an eye position", now);
+            show_notice(std::string(translate("no trainee's client reports an eye position")), now);
         }
     } else if (key == key_write && annotator_ != nullptr && !repeated) {
         annotator_->write();
@@ -69,9 +90,9 @@ void Controls::press(char32_t key, bool repeated, const view::SceneView& scene, 
         moved->press(vantage_, scene.landmarks());
     } else if (const CommandKey* const command = command_key(key)) {
         if (commands_ == nullptr) {
-            show_notice("observers cannot send commands", now);
+            show_notice(std::string(translate("observers cannot send commands")), now);
         } else if (!scene.metrics()) {
-            show_notice("no server has reported its patient's state yet", now);
+            show_notice(std::string(translate("no server has reported its patient's state yet")), now);
         } else {
             send(typing_.press(*command, repeated, scene.live(), now), now);
         }
@@ -157,14 +178,14 @@ void Controls::update(Time now) {
     if (commands_ != nullptr) {
         refusals_ = commands_->take_answers();
         for (const bus::Refusal& refusal : refusals_) {
-            show_notice(fmt::format("refused: {}", refusal.reason), now);
+            show_notice(text::translate_format("refused: {}", text::translate_sentence(refusal.reason)), now);
         }
     }
 }
 
 void Controls::send(const std::optional<CommandRequest>& command, Time now) {
     if (command && !commands_->send(command->name, command->value)) {
-        show_notice("no server accepts commands", now);
+        show_notice(std::string(translate("no server accepts commands")), now);
     }
 }
 
@@ -178,7 +199,7 @@ void Controls::add_to(hud::Readout& readout, Time now) const {
         readout.keys = keys_help(commands_ != nullptr, annotator_ != nullptr);
     }
     if (writing()) {
-        readout.notice = fmt::format("remark: {}_", annotator_->words());
+        readout.notice = text::translate_format("remark: {}_", annotator_->words());
         return;
     }
     if (now - notice_since_ < notice_for) {

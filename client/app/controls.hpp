@@ -21,6 +21,9 @@ namespace eti::client {
 /// have none). `marks`: include the keys for writing and drawing.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> keys_help(bool commands, bool marks = false);
 
+/// Whether a character has a function, in any role of a client.
+[[nodiscard]] bool is_shortcut(char32_t key);
+
 /// Keyboard and mouse of a window: select views, move the vantage, show help, send commands.
 class Controls {
   public:

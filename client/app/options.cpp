@@ -13,6 +13,9 @@
 #include "client/app/tutorial.hpp"
 #include "client/app/window/hand_controls.hpp"
 #include "client/app/window/hand_keys.hpp"
+#include "client/hud/hud.hpp"
+#include "client/hud/letters.hpp"
+#include "client/text/catalogue.hpp"
 #include "common/bus/command_line.hpp"
 #include "common/math/units.hpp"
 #include "common/process/command_line.hpp"
@@ -106,6 +109,12 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         quality_names.emplace_back(one.name);
         of_qualities += fmt::format("; {}: {}", one.name, one.help);
     }
+    std::string language = "auto", of_languages;
+    std::vector<std::string> language_codes{"auto"};
+    for (const text::Language& one : text::languages()) {
+        language_codes.emplace_back(one.code);
+        of_languages += fmt::format("; {}: {}", one.code, one.name);
+    }
     std::string quality = "auto", tutorial = "auto", sound = "auto";
     std::string view(options.selection->name);
     std::string size = "960x540";
@@ -160,6 +169,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_number("--fogging", options.vantage.fogging,
                    "Start with a fogged lens; the blade's lamp warms and clears it", {0.0f, 1.0f})
         .capture_default_str();
+    app.add_number("--loupe", options.vantage.loupe.magnification,
+                   "Start with a loupe of this magnification before the trainee's eye; 1: without (key 8)",
+                   {1.0f, render::Loupe::max_magnification})
+        .capture_default_str();
     const auto offscreen = app.add_option("--offscreen", options.offscreen,
                                           "Render without a display; write pictures to this folder");
     const auto video =
@@ -195,6 +208,16 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
             },
             "WxH");
     app.add_option("--quality", quality, of_qualities).capture_default_str().one_of(quality_names);
+    app.add_number("--text-scale", options.text_scale,
+                   "Size of the texts; 1: letters a fortieth of the picture's shorter side high",
+                   {hud::Hud::min_text_scale, hud::Hud::max_text_scale})
+        .capture_default_str();
+    app.add_option("--language", language,
+                   fmt::format("Language of texts; auto: as the environment says (LANGUAGE, LC_ALL, "
+                               "LC_MESSAGES, LANG){}",
+                               of_languages))
+        .capture_default_str()
+        .one_of(language_codes);
     const auto hands = app.add_flag("--hands", options.hands,
                                     "Control blade and tube with mouse and keys, unless a device holds them");
     app.add_option("--tutorial", tutorial,
@@ -215,6 +238,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     if (const auto status = app.parse(argc, argv)) {
         return *status;
     }
+    // Without the font there are no letters for most languages.
+    text::set_language(hud::letters_file().empty() ? text::languages().front().code
+                       : language == "auto"        ? text::language_of_environment()
+                                                   : language);
     options.headset = view == headset_name;
     if (options.instructor && options.headset) {
         std::cerr << "--instructor excludes --view hmd, which follows the trainee's eyes; omit one of them\n";

@@ -34,6 +34,7 @@ struct Options {
     static constexpr double offscreen_wait_s = 20.0;
     int width = 960;
     int height = 540;
+    float text_scale = 1.0f;                   ///< of overlay and panel
     const render::Quality* quality = nullptr;  ///< null: the best the driver can afford
     bool hands = false;                        ///< mouse and keys control blade and tube
     bool tutorial = false;                     ///< guide through a first intubation

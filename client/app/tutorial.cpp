@@ -7,12 +7,14 @@
 #include <fstream>
 #include <system_error>
 
-#include <fmt/format.h>
-
+#include "client/text/catalogue.hpp"
+#include "client/text/server_sentences.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::client {
 namespace {
+
+using text::translatable;
 
 // Chosen: the blade is behind the tongue, half of the glottis is visible, the tube's black band is near the
 // cords.
@@ -48,26 +50,33 @@ bool attempt_succeeded(const LessonState& sight) {
 
 constexpr std::size_t blade_lesson = 1;
 constexpr std::array lesson_table{
+    Lesson{translatable("1 of 5: look"),
+           translatable("Press 2: the section view shows where the tools are. 5 is your own eye, 3 the "
+                        "camera on the blade."),
+           shows_inside},
     Lesson{
-        "1 of 5: look",
-        "Press 2: the section view shows where the tools are. 5 is your own eye, 3 the camera on the blade.",
-        shows_inside},
-    Lesson{"2 of 5: blade in",
-           "Drag with the left button to move the blade's tip in at the right corner of the mouth and over "
-           "the tongue. Drag with the right button to swing the handle back to the gum, and go down behind "
-           "the tongue.",
-           blade_is_in},
-    Lesson{"3 of 5: sweep and lift",
-           "Press 5 and drag the blade to the middle: it sweeps the tongue aside. Press 2, bring the tip "
-           "beneath the epiglottis and lift along the handle with w until the glottis is visible. Do not "
-           "lever on the gum.",
+        translatable("2 of 5: blade in"),
+        translatable(
+            "Drag with the left button to move the blade's tip in at the right corner of the mouth and over "
+            "the tongue. Drag with the right button to swing the handle back to the gum, and go down behind "
+            "the tongue."),
+        blade_is_in},
+    Lesson{translatable("3 of 5: sweep and lift"),
+           translatable(
+               "Press 5 and drag the blade to the middle: it sweeps the tongue aside. Press 2, bring the tip "
+               "beneath the epiglottis and lift along the handle with w until the glottis is visible. Do not "
+               "lever on the gum."),
            glottis_is_seen},
-    Lesson{"4 of 5: tube through the cords",
-           "Tab takes the tube. Bring its tip to the mouth, advance it with the wheel, aim by dragging, and "
-           "pass it through the cords under direct vision until the black band lies between them.",
-           tube_is_in},
-    Lesson{"5 of 5: the result",
-           "Tab takes the blade. Lower it with q, withdraw it with the wheel, and leave the tube in place.",
+    Lesson{
+        translatable("4 of 5: tube through the cords"),
+        translatable(
+            "Tab takes the tube. Bring its tip to the mouth, advance it with the wheel, aim by dragging, and "
+            "pass it through the cords under direct vision until the black band lies between them."),
+        tube_is_in},
+    Lesson{translatable("5 of 5: the result"),
+           translatable(
+               "Tab takes the blade. Lower it with q, withdraw it with the wheel, and leave the tube in "
+               "place."),
            attempt_succeeded}};
 
 }  // namespace
@@ -101,12 +110,13 @@ void Tutorial::add_to(hud::Readout& readout) const {
     if (finished()) {
         return;
     }
-    readout.guidance.emplace_back(lesson_table[lesson_].title);
+    readout.guidance.emplace_back(text::translate(lesson_table[lesson_].title));
     if (!failed_.empty()) {
-        readout.guidance.push_back(fmt::format("That attempt: {}. Try again.", failed_));
+        readout.guidance.push_back(
+            text::translate_format("That attempt: {}. Try again.", text::translate_sentence(failed_)));
     }
-    readout.guidance.emplace_back(lesson_table[lesson_].text);
-    readout.guidance.emplace_back("Enter skips a step; h lists all keys.");
+    readout.guidance.emplace_back(text::translate(lesson_table[lesson_].text));
+    readout.guidance.emplace_back(text::translate("Enter skips a step; h lists all keys."));
 }
 
 std::filesystem::path tutorial_marker_file() {

@@ -6,53 +6,44 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
+#include <cmath>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "client/hud/text_box.hpp"
+#include "client/hud/letters.hpp"
+#include "client/text/catalogue.hpp"
 
 namespace eti::hud {
 namespace {
 
-constexpr float panel_width = 330.0f, guidance_width = 300.0f;
-constexpr float above_titles = 24.0f;  // of tiles, at their lower edge
-constexpr int least_tile_width = 400,
-              least_tile_height = 230;  // the numbers would cover half of a smaller tile
+// In thirteenths of the letters' height.
+constexpr float panel_width = 330.0f, guidance_width = 300.0f, box_corner = 4.0f;
+constexpr float least_tile_width = 400.0f,
+                least_tile_height = 230.0f;            // the numbers would cover half of a smaller tile
+constexpr int least_letters = 13, most_letters = 160;  // [pixels]
+constexpr std::size_t most_fonts = 6;                  // in the atlas at once, of different heights
 
-// 13-pixel letters suit a laptop's screen; screens with more pixels are not larger.
-int scale_of(int width, int height) {
-    const int shorter = std::min(width, height);
-    return shorter < 900 ? 1 : shorter < 1800 ? 2 : 4;
-}
-
-// Dims values from a lost server, so that they do not look current.
-void dim(ImDrawList& list, int from, int to) {
-    constexpr ImU32 opacity = 90;  // of 255
+// Shows values of a lost server in grey, so that they do not look current.
+void fade(ImDrawList& list, int from, int to) {
     for (int i = from; i < to; ++i) {
         ImU32& colour = list.VtxBuffer[i].col;
-        if (colour == shade) {
-            continue;  // text stays readable before the first picture
+        // The backing at a rounded corner's antialiasing has its colour at less opacity.
+        if ((colour & ~IM_COL32_A_MASK) != (shade & ~IM_COL32_A_MASK) && colour != rail) {
+            colour = (outdated & ~IM_COL32_A_MASK) | (colour & IM_COL32_A_MASK);
         }
-        const ImU32 alpha = (colour >> IM_COL32_A_SHIFT & 0xffu) * opacity / 255u;
-        colour = (colour & ~IM_COL32_A_MASK) | alpha << IM_COL32_A_SHIFT;
     }
-}
-
-Tile downscaled(const Tile& tile, int scale) {
-    Tile out{tile.title, tile.x / scale, tile.y / scale, tile.width / scale, tile.height / scale, tile.marks};
-    for (Mark& mark : out.marks) {
-        mark.from /= static_cast<float>(scale);
-        mark.to /= static_cast<float>(scale);
-    }
-    return out;
 }
 
 }  // namespace
+
+int letter_height(int width, int height, float text_scale) {
+    const float usual =
+        std::max(static_cast<float>(std::min(width, height)) / 40.0f, static_cast<float>(least_letters));
+    return std::min(static_cast<int>(std::lround(text_scale * usual)), most_letters);
+}
 
 Hud::Hud() {
     IMGUI_CHECKVERSION();
@@ -64,6 +55,7 @@ Hud::Hud() {
         ImGui::DestroyContext();
         throw std::runtime_error("the text overlay cannot be drawn with this OpenGL driver");
     }
+    report_missing_letters();
 }
 
 Hud::~Hud() {
@@ -71,29 +63,28 @@ Hud::~Hud() {
     ImGui::DestroyContext();
 }
 
-// From here on one unit is `scale` pixels of the picture.
-void Hud::begin(int width, int height, int scale) {
+void Hud::begin(int width, int height, int letters) {
     ImGuiIO& io = ImGui::GetIO();
-    auto [fonts, is_new] = fonts_.try_emplace(scale);
-    if (is_new) {
-        const auto add = [&](float size) {
-            ImFontConfig config;
-            config.SizePixels = size * static_cast<float>(scale);
-            ImFont* const font = io.Fonts->AddFontDefault(&config);
-            font->Scale = 1.0f / static_cast<float>(scale);
-            return font;
-        };
-        fonts->second = {add(13.0f), add(26.0f)};
+    if (!fonts_by_height_.contains(letters)) {
+        // A window that is being resized passes through many heights.
+        if (fonts_by_height_.size() == most_fonts) {
+            fonts_by_height_.clear();
+            io.Fonts->Clear();
+        }
+        fonts_by_height_[letters] = {add_letters(*io.Fonts, letters), add_letters(*io.Fonts, 2 * letters)};
         ImGui_ImplOpenGL3_DestroyFontsTexture();
         ImGui_ImplOpenGL3_CreateFontsTexture();
     }
-    std::tie(small_, large_) = fonts->second;
-    io.FontDefault = small_;
-    width_ = static_cast<float>(width) / static_cast<float>(scale);
-    height_ = static_cast<float>(height) / static_cast<float>(scale);
+    fonts_ = fonts_by_height_[letters];
+    io.FontDefault = fonts_.small;
+    width_ = static_cast<float>(width);
+    height_ = static_cast<float>(height);
     io.DisplaySize = ImVec2(width_, height_);
-    io.DisplayFramebufferScale = ImVec2(static_cast<float>(scale), static_cast<float>(scale));
+    io.DisplayFramebufferScale = ImVec2(1.0f, 1.0f);
     io.DeltaTime = 1.0f / 30.0f;
+    boxes_.clear();
+    verdict_box_.reset();
+    numbers_bottom_ = 0.0f;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui::NewFrame();
 }
@@ -103,58 +94,82 @@ void Hud::end() {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+void Hud::add_backing(ImDrawList& list, ImVec2 low, ImVec2 high) {
+    list.AddRectFilled(low, high, shade, fonts_.px(box_corner));
+    boxes_.push_back({{low.x, low.y}, {high.x, high.y}});
+}
+
+void Hud::add_box(ImDrawList& list, std::span<const TextLine> lines, ImVec2 corner, float width) {
+    draw_text_box(list, fonts_, lines, corner, width);
+    boxes_.push_back(
+        {{corner.x, corner.y}, {corner.x + width, corner.y + text_box_height(fonts_, lines, width)}});
+}
+
 void Hud::draw(const Readout& readout, std::span<const Tile> tiles, int width, int height) {
-    const int scale = scale_of(width, height);
-    begin(width, height, scale);
+    begin(width, height, letter_height(width, height, text_scale_));
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    std::vector<Tile> scaled;
+    // Boxes are laid out first, as labels keep clear of them, but lie above the marks.
+    list.ChannelsSplit(2);
+    list.ChannelsSetCurrent(1);
+    const Tile first = tiles.empty() ? Tile{} : tiles.front();
     for (const Tile& tile : tiles) {
-        scaled.push_back(downscaled(tile, scale));
-        place_labels(scaled.back(), *small_);
-        draw_tile(list, scaled.back(), tiles.size() > 1);
+        draw_title(list, tile);
     }
     const int numbers_begin = list.VtxBuffer.Size;
-    Gap gap{edge, width_ - edge, edge, height_ - above_titles};
-    if (!scaled.empty()) {
-        const Tile& first = scaled.front();
-        first.width < least_tile_width || first.height < least_tile_height
+    Gap gap{edge(), width_ - edge(), edge(), height_ - fonts_.px(24.0f)};  // above the tiles' titles
+    const bool helping = !readout.keys.empty();  // alone with alarms and notices, which it must not hide
+    if (!tiles.empty() && !helping) {
+        static_cast<float>(first.width) < fonts_.px(least_tile_width) ||
+                static_cast<float>(first.height) < fonts_.px(least_tile_height)
             ? draw_strip(list, readout, gap)
             : draw_numbers(list, readout, first, gap);
     }
-    if (readout.vital_signs) {
+    if (readout.vital_signs && !helping) {
         draw_vital_signs(list, *readout.vital_signs, gap);
     }
     const int notice_begin = list.VtxBuffer.Size;
-    draw_notice(list, readout, gap);
+    if (readout.verdict && !helping) {
+        draw_verdict(list, readout, gap);
+    } else {
+        draw_notice(list, readout, gap);
+    }
     const int alarms_begin = list.VtxBuffer.Size;
-    draw_alarms(list, readout.alarms, scaled.empty() ? Tile{} : scaled.front(), gap);
+    draw_alarms(list, readout.alarms, first, gap);
     if (readout.link == ServerLink::lost) {
-        dim(list, numbers_begin, notice_begin);
-        dim(list, alarms_begin, list.VtxBuffer.Size);
+        fade(list, numbers_begin, notice_begin);
+        fade(list, alarms_begin, list.VtxBuffer.Size);
     }
-    if (readout.verdict) {
-        draw_verdict(list, *readout.verdict, gap);
+    if (helping) {
+        draw_help(list, readout, gap);
+    } else {
+        draw_guidance(list, readout, gap);
+        draw_top(list, readout, gap);
     }
-    draw_keys(list, readout, gap);
+    list.ChannelsSetCurrent(0);
+    for (Tile tile : tiles) {
+        place_labels(tile, *fonts_.small, boxes_);
+        draw_tile(list, tile, tiles.size() > 1);
+    }
+    list.ChannelsMerge();
     end();
 }
 
 void Hud::draw_eyes(std::span<Tile, 2> eyes, int width, int height) {
     // A lens spreads this picture over a field twice as wide as a screen of the same height.
-    const int scale = height < 1500 ? 1 : 2;
-    begin(width, height, scale);
+    begin(width, height,
+          std::max(least_letters,
+                   static_cast<int>(std::lround(text_scale_ * static_cast<float>(height) / 64.0f))));
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    std::vector<Tile> scaled;
-    for (const Tile& eye : eyes) {
-        scaled.push_back(downscaled(eye, scale));
-        place_labels(scaled.back(), *small_);
+    std::array<Tile, 2> placed{eyes[0], eyes[1]};
+    for (Tile& eye : placed) {
+        place_labels(eye, *fonts_.small);
     }
-    if (scaled[0].marks.size() == scaled[1].marks.size()) {
-        for (std::size_t i = 0; i < scaled[0].marks.size(); ++i) {
-            scaled[1].marks[i].label = scaled[0].marks[i].label;
+    if (placed[0].marks.size() == placed[1].marks.size()) {
+        for (std::size_t i = 0; i < placed[0].marks.size(); ++i) {
+            placed[1].marks[i].label = placed[0].marks[i].label;
         }
     }
-    for (const Tile& eye : scaled) {
+    for (const Tile& eye : placed) {
         draw_tile(list, eye, false);
     }
     end();
@@ -165,132 +180,213 @@ void Hud::draw_tile(ImDrawList& list, const Tile& tile, bool framed) const {
     const ImVec2 opposite(corner.x + static_cast<float>(tile.width),
                           corner.y + static_cast<float>(tile.height));
     list.PushClipRect(corner, opposite);
-    draw_marks(list, tile, *small_);
+    draw_marks(list, tile, *fonts_.small);
     list.PopClipRect();
     if (framed) {
         list.AddRect(corner, opposite, IM_COL32(20, 24, 26, 255), 0.0f, 0, 2.0f);
     }
+}
+
+// In the lower right corner of its tile.
+void Hud::draw_title(ImDrawList& list, const Tile& tile) {
     if (tile.title.empty()) {
         return;
     }
-    const ImVec2 size = ImGui::CalcTextSize(tile.title.data(), tile.title.data() + tile.title.size());
-    const ImVec2 at(opposite.x - size.x - 8.0f, opposite.y - size.y - 6.0f);
-    list.AddRectFilled(ImVec2(at.x - 4.0f, at.y - 2.0f), ImVec2(opposite.x - 4.0f, opposite.y - 4.0f), shade,
-                       3.0f);
-    list.AddText(at, grey, tile.title.data(), tile.title.data() + tile.title.size());
+    const std::string title =
+        tile.magnification > 1.0f
+            ? text::translate_format("{}, loupe {:.1f} x", text::translate(tile.title), tile.magnification)
+            : std::string(text::translate(tile.title));
+    const ImVec2 size = text_extent(*fonts_.small, title, FLT_MAX);
+    const float beyond = fonts_.px(4.0f);
+    const ImVec2 low(static_cast<float>(tile.x + tile.width) - size.x - 3.0f * beyond,
+                     static_cast<float>(tile.y + tile.height) - size.y - 2.0f * beyond);
+    add_backing(list, low, ImVec2(low.x + size.x + 2.0f * beyond, low.y + size.y + beyond));
+    list.AddText(fonts_.small, height_of(*fonts_.small), ImVec2(low.x + beyond, low.y + 0.5f * beyond), grey,
+                 title.c_str());
 }
 
-// At the bottom: messages of the server or the connection.
-void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) const {
-    std::string text;
-    ImU32 colour = white;
+// Messages of the server or the connection.
+TextLine Hud::notice_line(const Readout& readout) {
+    TextLine line{.text = {}, .value = {}, .large = true};
     switch (readout.link) {
         case ServerLink::waiting:
-            text = "waiting for the server";
+            line.text = text::translate("waiting for the server");
             break;
         case ServerLink::lost:
-            text = "server lost";
-            colour = red;
+            line.text = text::translate("server lost");
+            line.colour = red;
+            line.sign = Level::bad;
             break;
         case ServerLink::finished:
-            text = "session finished";
-            colour = green;
+            line.text = text::translate("session finished");
+            line.colour = green;
             break;
         case ServerLink::running:
-            text = readout.warning.empty() ? readout.message : readout.warning;
-            colour = readout.warning.empty() ? white : red;
+            line.large = !readout.warning.empty();
+            line.text = line.large ? readout.warning : readout.message;
+            line.colour = line.large ? red : white;
+            line.sign = line.large ? std::optional(Level::bad) : std::nullopt;
             break;
     }
-    if (text.empty()) {
+    return line;
+}
+
+// At the bottom.
+void Hud::draw_notice(ImDrawList& list, const Readout& readout, Gap& gap) {
+    const TextLine line = notice_line(readout);
+    if (line.text.empty()) {
         return;
     }
-    const bool shout = readout.link != ServerLink::running || !readout.warning.empty();
-    ImFont* const font = shout ? large_ : small_;
-    const float size = shout ? 26.0f : 13.0f, room = width_ - 32.0f;
-    const ImVec2 extent = font->CalcTextSizeA(size, FLT_MAX, room, text.c_str());
-    const ImVec2 at(0.5f * (width_ - extent.x), gap.bottom - extent.y);
-    list.AddRectFilled(ImVec2(at.x - 8.0f, at.y - 5.0f),
-                       ImVec2(at.x + extent.x + 8.0f, at.y + extent.y + 5.0f), shade, 4.0f);
-    list.AddText(font, size, at, colour, text.c_str(), nullptr, room);
-    gap.bottom = at.y - 5.0f - edge;
+    const float wide = std::min(text_box_width(fonts_, {&line, 1}), width_ - 2.0f * edge());
+    const float high = text_box_height(fonts_, {&line, 1}, wide);
+    add_box(list, {&line, 1}, ImVec2(std::floor(0.5f * (width_ - wide)), gap.bottom - high), wide);
+    gap.bottom -= high + edge();
 }
 
 // Above the notice, the first lowest; centred in the first view if there is room at its bottom.
-void Hud::draw_alarms(ImDrawList& list, std::span<const std::string> alarms, const Tile& first,
-                      Gap& gap) const {
-    constexpr float high = 30.0f;
+void Hud::draw_alarms(ImDrawList& list, std::span<const std::string> alarms, const Tile& first, Gap& gap) {
     const auto tile_width = static_cast<float>(first.width);
     const bool reaches_down = static_cast<float>(first.y + first.height) >= height_ - 1.0f;
     for (const std::string& alarm : alarms) {
-        const ImVec2 extent = large_->CalcTextSizeA(26.0f, FLT_MAX, 0.0f, alarm.c_str());
-        const float room = reaches_down && extent.x + 2.0f * edge <= tile_width ? tile_width : width_;
-        const ImVec2 at(std::max(edge, 0.5f * (room - extent.x)), gap.bottom - high);
-        list.AddRectFilled(ImVec2(at.x - 8.0f, at.y), ImVec2(at.x + extent.x + 8.0f, at.y + high), shade,
-                           4.0f);
-        list.AddText(large_, 26.0f, ImVec2(at.x, at.y + 2.0f), red, alarm.c_str());
-        gap.bottom = at.y - edge;
+        const TextLine line{.text = alarm, .value = {}, .colour = red, .large = true, .sign = Level::bad};
+        const float natural = text_box_width(fonts_, {&line, 1});
+        const float room = reaches_down && natural + 2.0f * edge() <= tile_width ? tile_width : width_;
+        const float wide = std::min(natural, room - 2.0f * edge());
+        const float high = text_box_height(fonts_, {&line, 1}, wide);
+        add_box(list, {&line, 1}, ImVec2(std::floor(0.5f * (room - wide)), gap.bottom - high), wide);
+        gap.bottom -= high + edge();
     }
 }
 
 // Left edge of a box of this width: centred in the picture, but beside the numbers if there is room.
 float Hud::beside_numbers(float wide, const Gap& gap) const {
     const float middle = 0.5f * (width_ - wide);
-    return gap.left + wide <= gap.right ? std::clamp(middle, gap.left, gap.right - wide) : middle;
+    return std::floor(gap.left + wide <= gap.right ? std::clamp(middle, gap.left, gap.right - wide) : middle);
 }
 
-// Its lower edge is above alarms and notice.
-void Hud::draw_verdict(ImDrawList& list, const Verdict& verdict, const Gap& gap) const {
-    std::vector<TextLine> lines{
-        {.text = verdict.title, .value = {}, .colour = colour_of(verdict.level), .large = true},
-        {.text = verdict.reason, .value = {}}};
+// A band along the lower edge, with the notice in it: the face is in the middle of every view.
+void Hud::draw_verdict(ImDrawList& list, const Readout& readout, Gap& gap) {
+    const Verdict& verdict = *readout.verdict;
+    std::vector<TextLine> lines{{.text = verdict.title,
+                                 .value = {},
+                                 .colour = colour_of(verdict.level),
+                                 .large = true,
+                                 .sign = verdict.level},
+                                {.text = verdict.reason, .value = {}}};
+    // The newest message only says that the attempt has ended.
+    if (readout.link != ServerLink::running || !readout.warning.empty()) {
+        lines.push_back(notice_line(readout));
+        lines.back().large = false;
+    }
     for (const auto& [label, value] : verdict.numbers) {
-        lines.push_back({.text = label, .value = value, .colour = grey});
+        lines.push_back({.text = label + " " + value, .value = {}, .colour = grey});
     }
-    const float wide = std::min(panel_width, width_ - 2.0f * edge);
-    const float high = text_box_height({small_, large_}, lines, wide);
-    draw_text_box(list, {small_, large_}, lines,
-                  ImVec2(beside_numbers(wide, gap), std::max(edge, gap.bottom - high)), wide);
+    const float margin = fonts_.px(7.0f), wide = width_ - 2.0f * edge(), room = wide - 2.0f * margin;
+    const float high = flow_text(nullptr, fonts_, lines, {}, room) + 2.0f * margin;
+    const ImVec2 corner(edge(), gap.bottom - high);
+    add_backing(list, corner, ImVec2(corner.x + wide, gap.bottom));
+    verdict_box_ = boxes_.back();
+    flow_text(&list, fonts_, lines, ImVec2(corner.x + margin, corner.y + margin), room);
+    gap.bottom = corner.y - edge();
 }
 
-// Help in the middle; the scenario and a notice at the top; guidance at the lower left.
-void Hud::draw_keys(ImDrawList& list, const Readout& readout, const Gap& gap) const {
-    const TextFonts fonts{small_, large_};
-    const float wide = std::min(panel_width, width_ - 2.0f * edge);
+// At the lower left, where no view shows its tools.
+void Hud::draw_guidance(ImDrawList& list, const Readout& readout, const Gap& gap) {
     std::vector<TextLine> lines;
-    for (const auto& [key, help] : readout.keys) {
-        lines.push_back({.text = fmt::format("{:<6} {}", key, help), .value = {}});
+    for (const std::string& line : readout.guidance) {
+        lines.push_back({.text = line, .value = {}, .colour = lines.empty() ? green : white});
     }
-    if (!lines.empty()) {
-        const float high = text_box_height(fonts, lines, wide);
-        draw_text_box(list, fonts, lines,
-                      ImVec2(beside_numbers(wide, gap), std::max(edge, 0.5f * (height_ - high))), wide);
+    if (lines.empty()) {
+        return;
     }
-    std::vector<TextLine> top;
+    const float wide = std::min(fonts_.px(guidance_width), width_ - 2.0f * edge());
+    const float high = text_box_height(fonts_, lines, wide);
+    const float top = std::max(edge(), gap.bottom - high);
+    // Beside the numbers where it would reach up to them.
+    const bool beside = top < numbers_bottom_ + edge() && gap.left + wide <= width_ - edge();
+    add_box(list, lines, ImVec2(beside ? gap.left : edge(), top), wide);
+}
+
+// The scenario, remarks and notices at the top.
+void Hud::draw_top(ImDrawList& list, const Readout& readout, const Gap& gap) {
+    std::vector<TextLine> lines;
     if (!readout.description.empty()) {
-        top.push_back({.text = readout.scenario, .value = {}});
-        top.push_back({.text = readout.description, .value = {}, .colour = grey});
+        lines.push_back({.text = readout.scenario, .value = {}});
+        lines.push_back({.text = readout.description, .value = {}, .colour = grey});
     }
     if (!readout.note.empty()) {
-        top.push_back({.text = readout.note, .value = {}, .colour = blue, .large = true});
+        lines.push_back({.text = readout.note, .value = {}, .colour = blue, .large = true});
     }
     if (!readout.notice.empty()) {
-        top.push_back({.text = readout.notice, .value = {}, .colour = amber});
+        lines.push_back({.text = readout.notice, .value = {}, .colour = amber});
     }
-    if (!top.empty()) {
-        // Narrower, to avoid the boxes in the corners.
-        const float room = gap.right - gap.left;
-        const float here = room >= 0.6f * panel_width ? std::min(wide, room) : wide;
-        draw_text_box(list, fonts, top, ImVec2(beside_numbers(here, gap), gap.top), here);
+    if (lines.empty()) {
+        return;
     }
-    // At the lower left, where no view shows its tools.
-    std::vector<TextLine> guidance;
-    for (const std::string& line : readout.guidance) {
-        guidance.push_back({.text = line, .value = {}, .colour = guidance.empty() ? green : white});
-    }
-    if (!guidance.empty()) {
-        const float narrow = std::min(guidance_width, wide);
-        const float high = text_box_height(fonts, guidance, narrow);
-        draw_text_box(list, fonts, guidance, ImVec2(edge, height_ - high - edge), narrow);
+    // Narrower, to avoid the boxes in the corners.
+    const float usual = std::min(fonts_.px(panel_width), width_ - 2.0f * edge());
+    const float room = gap.right - gap.left;
+    const float wide = room >= 0.6f * fonts_.px(panel_width) ? std::min(usual, room) : usual;
+    add_box(list, lines, ImVec2(beside_numbers(wide, gap), gap.top), wide);
+}
+
+// In as many columns as fit; in smaller letters if the picture is too small for all keys.
+void Hud::draw_help(ImDrawList& list, const Readout& readout, const Gap& gap) {
+    ImFont& font = *fonts_.small;
+    struct Cell {
+        int column;
+        float y, high;
+    };
+    for (const float smaller : {1.0f, 0.85f, 0.72f, 0.6f, 0.5f}) {
+        const float size = smaller * height_of(font), margin = std::round(0.7f * size);
+        const auto extent = [&](const std::string& words, float room) {
+            return font.CalcTextSizeA(size, FLT_MAX, room, words.c_str());
+        };
+        float captions = 0.0f;
+        for (const auto& [key, help] : readout.keys) {
+            captions = std::max(captions, extent(key, 0.0f).x);
+        }
+        captions += 0.8f * size;
+        for (int columns = 1; columns <= 4; ++columns) {
+            const float whole = width_ - 2.0f * edge() - margin;
+            const float cell = std::min(whole / static_cast<float>(columns), captions + 22.0f * size);
+            const float room = cell - captions - margin;
+            if (room < 8.0f * size) {
+                break;
+            }
+            const float most = gap.bottom - edge() - 2.0f * margin;
+            std::vector<Cell> cells;
+            float y = 0.0f, lowest = 0.0f;
+            int column = 0;
+            for (const auto& [key, help] : readout.keys) {
+                const float high = std::max(extent(help, room).y, size) + 0.15f * size;
+                if (y > 0.0f && y + high > most) {
+                    ++column;
+                    y = 0.0f;
+                }
+                cells.push_back({column, y, high});
+                y += high;
+                lowest = std::max(lowest, y);
+            }
+            const bool last_try = smaller == 0.5f && columns == 4;
+            if (column >= columns && !last_try) {
+                continue;
+            }
+            const float wide = static_cast<float>(column + 1) * cell + margin, high = lowest + 2.0f * margin;
+            const ImVec2 corner(std::floor(std::max(edge(), 0.5f * (width_ - wide))),
+                                std::floor(std::max(edge(), 0.5f * (gap.bottom - high))));
+            list.AddRectFilled(corner, ImVec2(corner.x + wide, corner.y + high), opaque_shade,
+                               fonts_.px(box_corner));
+            boxes_.push_back({{corner.x, corner.y}, {corner.x + wide, corner.y + high}});
+            for (std::size_t i = 0; i < cells.size(); ++i) {
+                const ImVec2 at(std::floor(corner.x + margin + static_cast<float>(cells[i].column) * cell),
+                                std::floor(corner.y + margin + cells[i].y));
+                list.AddText(&font, size, at, white, readout.keys[i].first.c_str());
+                list.AddText(&font, size, ImVec2(std::floor(at.x + captions), at.y), grey,
+                             readout.keys[i].second.c_str(), nullptr, room);
+            }
+            return;
+        }
     }
 }
 

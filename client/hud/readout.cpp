@@ -8,10 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "client/text/catalogue.hpp"
+#include "client/text/server_sentences.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::hud {
 namespace {
+
+using text::translate;
 
 constexpr double verdict_for_s = 8.0;       // of simulation time
 constexpr double description_for_s = 10.0;  // likewise
@@ -31,15 +35,17 @@ Verdict verdict_of(const bus::AttemptReport& report) {
     const Outcome& outcome = report.outcome;
     verdict.level = !outcome.known ? Level::neutral : outcome.success ? Level::good : Level::bad;
     verdict.title =
-        fmt::format("{}: {}", report.attempt == 0 ? "session" : fmt::format("attempt {}", report.attempt),
-                    !outcome.known    ? "outcome unknown"
-                    : outcome.success ? "success"
-                                      : "no success");
-    verdict.reason = outcome.reason;
+        text::translate_format("{}: {}",
+                               report.attempt == 0 ? std::string(translate("session"))
+                                                   : text::translate_format("attempt {}", report.attempt),
+                               !outcome.known    ? translate("outcome unknown")
+                               : outcome.success ? translate("success")
+                                                 : translate("no success"));
+    verdict.reason = text::translate_sentence(outcome.reason);
     for (double AttemptMetrics::*const one : shown) {
         const auto field = std::ranges::find(metric_fields, one, &MetricField::value);
         const double value = report.metrics.*one;
-        verdict.numbers.emplace_back(field->label,
+        verdict.numbers.emplace_back(translate(field->label),
                                      std::isnan(value) ? "-" : fmt::format("{:.1f} {}", value, field->unit));
     }
     return verdict;
@@ -77,30 +83,29 @@ std::string warning_of(const msg::SessionStatus& status) {
     if (!blade && !tube) {
         return {};
     }
-    return fmt::format("{} {} silent{}",
-                       blade && tube ? "laryngoscope and tube"
-                       : blade       ? "laryngoscope"
-                                     : "tube",
-                       blade && tube ? "are" : "is",
-                       status.phase() == msg::PHASE_FROZEN ? ": simulation paused" : "");
+    const std::string_view silent = blade && tube ? translate("laryngoscope and tube are silent")
+                                    : blade       ? translate("laryngoscope is silent")
+                                                  : translate("tube is silent");
+    return status.phase() == msg::PHASE_FROZEN ? text::translate_format("{}: simulation paused", silent)
+                                               : std::string(silent);
 }
 
 // Warnings that a supervisor would call out.
 std::vector<std::string> alarms_of(float gum_force_n, msg::TubePlace tube, const AttemptMetrics& now) {
     std::vector<std::string> alarms;
     if (level_of(&LiveMeasures::gum_force_n, gum_force_n) == Level::bad) {
-        alarms.emplace_back("pressing on the upper gum");
+        alarms.emplace_back(translate("pressing on the upper gum"));
     }
     switch (tube) {
         case msg::TUBE_IN_OESOPHAGUS:
-            alarms.emplace_back("tube in the oesophagus");
+            alarms.emplace_back(translate("tube in the oesophagus"));
             break;
         case msg::TUBE_IN_MAIN_STEM:
-            alarms.emplace_back("tube in a main bronchus");
+            alarms.emplace_back(translate("tube in a main bronchus"));
             break;
         case msg::TUBE_IN_TRACHEA:
             if (now.tube_depth_at_lip_cm > now.tube_depth_rule_cm + depth_bad_cm) {
-                alarms.emplace_back("tube too deep");
+                alarms.emplace_back(translate("tube too deep"));
             }
             break;
         default:
@@ -141,7 +146,8 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
         readout.link = status->phase() == msg::PHASE_FINISHED ? ServerLink::finished : ServerLink::running;
         readout.server_load = status->load();
         readout.behind_s = status->behind_s();
-        readout.warning = contested ? "two servers run this session: stop one" : warning_of(*status);
+        readout.warning = contested ? std::string(translate("two servers run this session: stop one"))
+                                    : warning_of(*status);
     }
     if (const auto& description = scene.description()) {
         readout.scenario = description->scenario().to_string();
@@ -156,7 +162,7 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
         readout.attempt = metrics->attempt();
         readout.attempt_running = metrics->attempt_running();
         readout.measures = scene.measures();
-        readout.message = metrics->message().to_string();
+        readout.message = text::translate_sentence(metrics->message().to_string());
     }
     if (scene.metrics() && scene.keys()) {
         const AttemptMetrics now = scene.keys()->metrics(scene.metrics()->parameters());
@@ -180,7 +186,7 @@ Readout make_readout(const view::SceneView& scene, bool server_lost, bool contes
         readout.blade_depth_cm = blade_depth(scene.landmarks(), tip) / centimetre;
     }
     if (scene.description() && (readout.link == ServerLink::waiting || readout.time_s < description_for_s)) {
-        readout.description = scene.description()->description().to_string();
+        readout.description = translate(scene.description()->description().to_string());
     }
     if (readout.link == ServerLink::finished && !scene.scenario().debriefing.empty()) {
         readout.description = scene.scenario().debriefing;

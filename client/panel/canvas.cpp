@@ -6,17 +6,14 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include <filesystem>
 #include <iterator>
 #include <numeric>
 #include <stdexcept>
 
+#include "client/hud/letters.hpp"
+
 namespace eti::panel {
 namespace {
-
-// From Debian's fonts-dejavu-core; the fallback is Dear ImGui's own font, which has one size and is
-// coarser.
-constexpr const char* letters = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 void set_style(float em) {
     ImGuiStyle style;
@@ -93,15 +90,7 @@ void Canvas::attach(GLFWwindow* window) {
 void Canvas::make_letters(int text_height) {
     ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
     atlas.Clear();
-    if (std::filesystem::exists(letters)) {
-        // Latin, dashes and arrows.
-        static const ImWchar ranges[] = {0x20, 0x17f, 0x2010, 0x2026, 0x2190, 0x2193, 0};
-        atlas.AddFontFromFileTTF(letters, static_cast<float>(text_height), nullptr, ranges);
-    } else {
-        ImFontConfig config;
-        config.SizePixels = static_cast<float>(text_height);
-        atlas.AddFontDefault(&config);
-    }
+    hud::add_letters(atlas, text_height);
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
     set_style(static_cast<float>(text_height));

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "client/text/catalogue.hpp"
+
 namespace eti::panel {
 namespace {
 
 constexpr LiveMeasureField server_load{
-    .short_label = "server's load", .unit = "%", .plot_high = 100.0f, .bad = 100.0f};
+    .short_label = text::translatable("server's load"), .unit = "%", .plot_high = 100.0f, .bad = 100.0f};
 
 }  // namespace
 

@@ -12,6 +12,9 @@
 
 #include <fmt/format.h>
 
+#include "client/text/catalogue.hpp"
+#include "client/text/server_sentences.hpp"
+
 namespace eti::panel {
 namespace {
 
@@ -44,15 +47,15 @@ std::string lower(std::string_view text) {
 std::string_view word_for(msg::SessionPhase phase) {
     switch (phase) {
         case msg::PHASE_WAITING:
-            return "waiting";
+            return text::translatable("waiting");
         case msg::PHASE_RUNNING:
-            return "running";
+            return text::translatable("running");
         case msg::PHASE_FROZEN:
-            return "paused";
+            return text::translatable("paused");
         case msg::PHASE_FINISHED:
-            return "finished";
+            return text::translatable("finished");
     }
-    return "unknown";
+    return text::translatable("unknown");
 }
 
 ParameterRow row_of(const msg::LiveKey& key) {
@@ -84,7 +87,7 @@ bool usable(const ParameterRow& row) {
 
 std::string format_value(const ParameterRow& row, float typed) {
     if (row.on_off) {
-        return typed > 0.5f ? "on" : "off";
+        return std::string(typed > 0.5f ? text::translate("on") : text::translate("off"));
     }
     const float range = row.high - row.low;
     const int digits = range >= 100.0f ? 0 : range >= 10.0f ? 1 : 2;
@@ -92,7 +95,9 @@ std::string format_value(const ParameterRow& row, float typed) {
 }
 
 bool matches(const ParameterRow& row, std::string_view search) {
-    const std::string words = lower(search), text = lower(row.label + " " + row.name + " " + row.help);
+    const std::string words = lower(search),
+                      text = lower(fmt::format("{} {} {} {} {}", row.label, row.name, row.help,
+                                               text::translate(row.label), text::translate(row.help)));
     for (std::size_t at = 0; at < words.size();) {
         const std::size_t begin = words.find_first_not_of(' ', at);
         if (begin == std::string::npos) {
@@ -109,17 +114,17 @@ bool matches(const ParameterRow& row, std::string_view search) {
 std::string_view title(Page page) {
     switch (page) {
         case Page::patient:
-            return "Patient";
+            return text::translatable("Patient");
         case Page::aids:
-            return "Aids";
+            return text::translatable("Aids");
         case Page::session:
-            return "Session";
+            return text::translatable("Session");
         case Page::plots:
-            return "Plots";
+            return text::translatable("Plots");
         case Page::health:
             break;
     }
-    return "Health";
+    return text::translatable("Health");
 }
 
 Model::Model(Send send, Presets presets)
@@ -205,10 +210,10 @@ void Model::note_refusals(std::span<const bus::Refusal> refusals) {
     for (const bus::Refusal& refusal : refusals) {
         const auto row = std::ranges::find(rows_, refusal.name, &ParameterRow::name);
         if (row == rows_.end()) {
-            refusal_ = refusal.reason;
+            refusal_ = text::translate_sentence(refusal.reason);
             continue;
         }
-        row->refusal = refusal.reason;
+        row->refusal = text::translate_sentence(refusal.reason);
         // A later request may still be accepted.
         if (!pending_[static_cast<std::size_t>(row - rows_.begin())].unsent) {
             row->wanted.reset();
@@ -279,7 +284,7 @@ void Model::update(Time now) {
     }
     if (!served) {
         // No server: requests are dropped, not sent to a later one.
-        refusal_ = "no server accepts commands";
+        refusal_ = text::translate("no server accepts commands");
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             if (std::exchange(pending_[i].unsent, false)) {
                 rows_[i].wanted.reset();

@@ -15,9 +15,13 @@
 #include <fmt/format.h>
 
 #include "client/hud/text_box.hpp"
+#include "client/text/catalogue.hpp"
 
 namespace eti::panel {
 namespace {
+
+using text::translate;
+using text::translate_format;
 
 constexpr int least_text = 13;  // pixels
 constexpr int across = 27;      // text heights
@@ -30,7 +34,7 @@ ImVec4 colour(ImU32 packed) {
     return ImGui::ColorConvertU32ToFloat4(packed);
 }
 
-void text(std::string_view words, ImU32 in = hud::white) {
+void put(std::string_view words, ImU32 in = hud::white) {
     ImGui::PushStyleColor(ImGuiCol_Text, in);
     ImGui::TextUnformatted(words.data(), words.data() + words.size());
     ImGui::PopStyleColor();
@@ -38,7 +42,7 @@ void text(std::string_view words, ImU32 in = hud::white) {
 
 void wrapped(std::string_view words, ImU32 in) {
     ImGui::PushTextWrapPos(0.0f);
-    text(words, in);
+    put(words, in);
     ImGui::PopTextWrapPos();
 }
 
@@ -47,14 +51,31 @@ void at_right(const std::string& words, ImU32 in) {
     ImGui::SameLine();
     const float left = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(words.c_str()).x;
     ImGui::SetCursorPosX(std::max(left, ImGui::GetCursorPosX()));
-    text(words, in);
+    put(words, in);
 }
 
-void explain(const std::string& words) {
+// Dear ImGui's identity of a control stays when its text changes.
+std::string labelled(std::string_view english) {
+    return fmt::format("{}###{}", translate(english), english);
+}
+
+// Puts the next button beside the last one if there is room for its translation.
+void beside(std::string_view english) {
+    ImGui::SameLine();
+    const std::string words(translate(english));
+    const float wide = ImGui::CalcTextSize(words.c_str()).x + 2.0f * ImGui::GetStyle().FramePadding.x;
+    if (ImGui::GetContentRegionAvail().x < wide) {
+        ImGui::NewLine();
+    }
+}
+
+// `english`: translated here.
+void explain(std::string_view english) {
     if (ImGui::IsItemHovered()) {
+        const std::string_view words = translate(english);
         ImGui::BeginTooltip();
         ImGui::PushTextWrapPos(20.0f * ImGui::GetFontSize());
-        ImGui::TextUnformatted(words.c_str());
+        ImGui::TextUnformatted(words.data(), words.data() + words.size());
         ImGui::PopTextWrapPos();
         ImGui::EndTooltip();
     }
@@ -108,12 +129,13 @@ void draw_series(const Series& series, double newest_s, ImVec2 size) {
 
 }  // namespace
 
-int text_height(int height) {
-    return std::max(least_text, (height + 49) / 50);
+int text_height(int height, float text_scale) {
+    return static_cast<int>(
+        std::lround(text_scale * static_cast<float>(std::max(least_text, (height + 49) / 50))));
 }
 
-Area panel_area(int width, int height) {
-    const int wide = across * text_height(height);
+Area panel_area(int width, int height, float text_scale) {
+    const int wide = across * text_height(height, text_scale);
     if (wide <= width * 45 / 100) {
         return {width - wide, 0, wide, height};
     }
@@ -121,12 +143,12 @@ Area panel_area(int width, int height) {
     return {0, height - high, width, high};
 }
 
-Area scene_area(int width, int height) {
-    const Area panel = panel_area(width, height);
+Area scene_area(int width, int height, float text_scale) {
+    const Area panel = panel_area(width, height, text_scale);
     return panel.x > 0 ? Area{0, 0, panel.x, height} : Area{0, 0, width, panel.y};
 }
 
-PanelRenderer::PanelRenderer(GLFWwindow* window) {
+PanelRenderer::PanelRenderer(GLFWwindow* window, float text_scale) : text_scale_(text_scale) {
     if (window != nullptr) {
         canvas_.attach(window);
     }
@@ -147,7 +169,8 @@ void PanelRenderer::discard_input() {
 }
 
 void PanelRenderer::draw(Model& model, int width, int height, Model::Time now) {
-    draw_into(panel_area(width, height), text_height(height), model, width, height, now);
+    draw_into(panel_area(width, height, text_scale_), text_height(height, text_scale_), model, width, height,
+              now);
 }
 
 void PanelRenderer::draw_full_screen(Model& model, int width, int height, Model::Time now) {
@@ -212,33 +235,33 @@ std::optional<Area> PanelRenderer::place(std::string_view control) const {
 }
 
 bool PanelRenderer::button(const std::string& words) {
-    const bool pressed = ImGui::Button(words.c_str());
+    const bool pressed = ImGui::Button(labelled(words).c_str());
     record_place(words);
     return pressed;
 }
 
 void PanelRenderer::draw_head(const Model& model, Model::Time now) {
     const Model::Session& session = model.session();
-    constexpr const char* watching = "watching only";
+    const std::string watching(translate("watching only"));
     // Lines wrap before the right-aligned text.
     ImGui::PushTextWrapPos(
         ImGui::GetContentRegionMax().x -
-        (model.commands() ? 0.0f : ImGui::CalcTextSize(watching).x + ImGui::GetFontSize()));
-    text(session.scenario.empty() ? "no session yet" : session.scenario);
+        (model.commands() ? 0.0f : ImGui::CalcTextSize(watching.c_str()).x + ImGui::GetFontSize()));
+    put(session.scenario.empty() ? translate("no session yet") : session.scenario);
     ImGui::PopTextWrapPos();
     if (!model.commands()) {
         at_right(watching, hud::grey);
     }
     if (model.stale(now)) {
-        text(model.silent_s(now) > 0.0 ? fmt::format("no data for {:.0f} s", model.silent_s(now))
-                                       : std::string("no server found"),
-             hud::red);
+        put(model.silent_s(now) > 0.0 ? translate_format("no data for {:.0f} s", model.silent_s(now))
+                                      : std::string(translate("no server found")),
+            hud::red);
     } else {
-        text(fmt::format("{}, {:.1f} s", session.phase, session.time_s), hud::grey);
+        put(fmt::format("{}, {:.1f} s", translate(session.phase), session.time_s), hud::grey);
     }
-    at_right(session.attempt == 0
-                 ? std::string("no attempt yet")
-                 : fmt::format("attempt {}{}", session.attempt, session.attempt_running ? "" : " ended"),
+    at_right(session.attempt == 0      ? std::string(translate("no attempt yet"))
+             : session.attempt_running ? translate_format("attempt {}", session.attempt)
+                                       : translate_format("attempt {} ended", session.attempt),
              session.attempt_running ? hud::green : hud::grey);
 }
 
@@ -251,8 +274,9 @@ void PanelRenderer::draw_page(Model& model) {
     std::optional<Page> shown;
     for (const Page page : pages) {
         const std::string name(title(page));
-        const bool open = ImGui::BeginTabItem(
-            name.c_str(), nullptr, turned && page == model.page ? ImGuiTabItemFlags_SetSelected : 0);
+        const bool open =
+            ImGui::BeginTabItem(labelled(name).c_str(), nullptr,
+                                turned && page == model.page ? ImGuiTabItemFlags_SetSelected : 0);
         record_place(name);
         if (!open) {
             continue;
@@ -299,13 +323,13 @@ void PanelRenderer::draw_patient(Model& model) {
         ImGui::SetKeyboardFocusHere();  // after showing the panel by a key the user can type a search at
                                         // once
     }
-    ImGui::InputTextWithHint("##search", "search", &model.search);
+    ImGui::InputTextWithHint("##search", translate("search").data(), &model.search);
     record_place("search");
     shows_keyboard_ = shows_keyboard_ || (shows_pointer_ && ImGui::IsItemActivated());
     if (model.search.empty()) {
         draw_presets(model);
-        draw_group(model, Group::published, "As in the paper");
-        draw_group(model, Group::other, "More");
+        draw_group(model, Group::published, text::translatable("As in the paper"));
+        draw_group(model, Group::other, text::translatable("More"));
         return;
     }
     for (std::size_t i = 0; i < model.rows().size(); ++i) {
@@ -325,7 +349,8 @@ void PanelRenderer::draw_keyboard(std::string& typed) {
     const float left = ImGui::GetCursorPosX(), room = ImGui::GetContentRegionAvail().x + gap;
     const float wide = room / static_cast<float>(key_rows.front().size());
     const auto key = [&](const std::string& words, float keys) {
-        const bool pressed = ImGui::Button((words + "##key").c_str(), ImVec2(keys * wide - gap, high));
+        const bool pressed = ImGui::Button(fmt::format("{}###key {}", translate(words), words).c_str(),
+                                           ImVec2(keys * wide - gap, high));
         record_place("key " + words);
         return pressed;
     };
@@ -339,19 +364,19 @@ void PanelRenderer::draw_keyboard(std::string& typed) {
         }
         ImGui::NewLine();
     }
-    if (key("clear", 2.0f)) {
+    if (key(std::string(text::translatable("clear")), 2.0f)) {
         typed.clear();
     }
     ImGui::SameLine();
-    if (key("space", 4.0f)) {
+    if (key(std::string(text::translatable("space")), 4.0f)) {
         typed += ' ';
     }
     ImGui::SameLine();
-    if (key("back", 2.0f) && !typed.empty()) {
+    if (key(std::string(text::translatable("back")), 2.0f) && !typed.empty()) {
         typed.pop_back();
     }
     ImGui::SameLine();
-    shows_keyboard_ = !key("done", 2.0f);
+    shows_keyboard_ = !key(std::string(text::translatable("done")), 2.0f);
 }
 
 void PanelRenderer::draw_presets(Model& model) {
@@ -359,12 +384,12 @@ void PanelRenderer::draw_presets(Model& model) {
         return;
     }
     const Preset* const chosen = model.chosen();
-    const bool open =
-        ImGui::BeginCombo("##preset", chosen != nullptr ? chosen->name.c_str() : "difficulty ...");
+    const bool open = ImGui::BeginCombo(
+        "##preset", chosen != nullptr ? translate(chosen->name).data() : translate("difficulty ...").data());
     record_place("preset");
     if (open) {
         for (const Preset& preset : model.presets().all) {
-            if (ImGui::Selectable(preset.name.c_str(), &preset == chosen)) {
+            if (ImGui::Selectable(labelled(preset.name).c_str(), &preset == chosen)) {
                 model.request(preset);
             }
             record_place("preset " + preset.name);
@@ -376,16 +401,17 @@ void PanelRenderer::draw_presets(Model& model) {
         ImGui::EndCombo();
     }
     if (chosen != nullptr) {
-        wrapped(chosen->description, hud::grey);
+        wrapped(translate(chosen->description), hud::grey);
     }
 }
 
 void PanelRenderer::draw_group(Model& model, Group group, std::string_view heading) {
-    text(heading, hud::grey);
+    put(translate(heading), hud::grey);
     if (model.commands()) {
         ImGui::SameLine();
-        const std::string label = "reset all##" + std::string(heading);
-        ImGui::SetCursorPosX(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize("reset all").x -
+        const std::string reset(translate("reset all"));
+        const std::string label = fmt::format("{}###reset {}", reset, heading);
+        ImGui::SetCursorPosX(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(reset.c_str()).x -
                              2.0f * ImGui::GetStyle().FramePadding.x);
         if (ImGui::SmallButton(label.c_str())) {
             model.request_initial_values(group);
@@ -402,12 +428,13 @@ void PanelRenderer::draw_group(Model& model, Group group, std::string_view headi
 void PanelRenderer::draw_slider(Model& model, std::size_t i) {
     const ParameterRow& row = model.rows()[i];
     ImGui::PushID(row.name.c_str());
-    text(row.label, row.now ? hud::white : hud::grey);
+    put(translate(row.label), row.now ? hud::white : hud::grey);
     if (row.wanted) {
         at_right(fmt::format("\u2192 {}", format_value(row, *row.wanted)), hud::amber);
     } else {
-        at_right(fmt::format("{:g} to {}", row.low,
-                             row.on_off ? "on" : fmt::format("{:g} {}", row.high, row.unit)),
+        at_right(translate_format(
+                     "{:g} to {}", row.low,
+                     row.on_off ? std::string(translate("on")) : fmt::format("{:g} {}", row.high, row.unit)),
                  hud::grey);
     }
     // While held, the slider shows the user's value; otherwise the server's.
@@ -438,7 +465,7 @@ void PanelRenderer::draw_slider(Model& model, std::size_t i) {
         model.request(i, row.start);
     }
     record_place("start of " + row.name);
-    explain("reset to the value at the start of the session");
+    explain(text::translatable("reset to the value at the start of the session"));
     ImGui::EndDisabled();
     if (!row.refusal.empty()) {
         wrapped(row.refusal, hud::red);
@@ -455,7 +482,7 @@ void PanelRenderer::draw_aids(Model& model) {
         ImGui::PushID(row.name.c_str());
         bool on = row.now.value_or(row.start) > 0.5f;
         ImGui::BeginDisabled(!model.commands());
-        if (ImGui::Checkbox(row.label.c_str(), &on)) {
+        if (ImGui::Checkbox(labelled(row.label).c_str(), &on)) {
             model.request(i, on ? 1.0f : 0.0f);
         }
         record_place(row.name);
@@ -463,7 +490,7 @@ void PanelRenderer::draw_aids(Model& model) {
         if (row.wanted) {
             at_right(fmt::format("\u2192 {}", format_value(row, *row.wanted)), hud::amber);
         }
-        wrapped(row.help, hud::grey);
+        wrapped(translate(row.help), hud::grey);
         if (!row.refusal.empty()) {
             wrapped(row.refusal, hud::red);
         }
@@ -472,33 +499,35 @@ void PanelRenderer::draw_aids(Model& model) {
 }
 
 void PanelRenderer::draw_session(Model& model) {
-    wrapped(model.session().description, hud::grey);
+    wrapped(translate(model.session().description), hud::grey);
     if (model.commands()) {
         ImGui::Spacing();
-        if (button("Start")) {
+        if (button(std::string(text::translatable("Start")))) {
             model.request("start");
         }
-        explain("Checks that the session runs; it does from the server's start");
-        ImGui::SameLine();
-        if (button("Reset")) {
+        explain(text::translatable("Checks that the session runs; it does from the server's start"));
+        beside("Reset");
+        if (button(std::string(text::translatable("Reset")))) {
             model.request("reset");
         }
-        explain("Resets tissue and tube; time and attempts continue");
-        ImGui::SameLine();
-        if (button("Next scenario")) {
+        explain(text::translatable("Resets tissue and tube; time and attempts continue"));
+        beside("Next scenario");
+        if (button(std::string(text::translatable("Next scenario")))) {
             model.request("next");
         }
-        explain("Ends this session and starts the next, if the server was given several scenarios");
-        ImGui::SameLine();
-        confirming_stop_ = button("Stop ...") ? !confirming_stop_ : confirming_stop_;
+        explain(text::translatable(
+            "Ends this session and starts the next, if the server was given several scenarios"));
+        beside("Stop ...");
+        confirming_stop_ =
+            button(std::string(text::translatable("Stop ..."))) ? !confirming_stop_ : confirming_stop_;
         if (confirming_stop_) {
-            wrapped("Ends the session; the server completes the recording.", hud::amber);
-            if (button("Stop the session")) {
+            wrapped(translate("Ends the session; the server completes the recording."), hud::amber);
+            if (button(std::string(text::translatable("Stop the session")))) {
                 confirming_stop_ = false;
                 model.request("stop");
             }
-            ImGui::SameLine();
-            confirming_stop_ = !button("Cancel") && confirming_stop_;
+            beside("Cancel");
+            confirming_stop_ = !button(std::string(text::translatable("Cancel"))) && confirming_stop_;
         }
     }
     if (!model.refusal().empty()) {
@@ -518,20 +547,20 @@ void PanelRenderer::draw_plots(const Model& model) {
     const float high = ImGui::GetContentRegionAvail().y / static_cast<float>(all.size()) - lines;
     for (const Series* const shown : all) {
         const Series& series = *shown;
-        text(fmt::format("{} [{}]", series.field->short_label, series.field->unit));
+        put(fmt::format("{} [{}]", translate(series.field->short_label), series.field->unit));
         at_right(series.samples.empty() ? "-" : fmt::format("{:.1f}", series.samples.back().value),
                  hud::white);
         const float wide = ImGui::GetContentRegionAvail().x;
         draw_series(series, model.history().newest_s(),
                     ImVec2(wide, std::max(2.0f * ImGui::GetFontSize(), high)));
-        text(fmt::format("{:g} to {:.3g}", series.low(), series.high()), hud::grey);
-        at_right(fmt::format("last {:.0f} s", History::span_s), hud::grey);
+        put(translate_format("{:g} to {:.3g}", series.low(), series.high()), hud::grey);
+        at_right(translate_format("last {:.0f} s", History::span_s), hud::grey);
     }
 }
 
 void PanelRenderer::draw_health(const Model& model) {
     for (const HealthLine& line : model.health()) {
-        text(line.label, hud::grey);
+        put(line.label, hud::grey);
         const float room = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(line.label.c_str()).x;
         if (ImGui::CalcTextSize(line.value.c_str()).x > room - ImGui::GetFontSize()) {
             wrapped(line.value, hud::colour_of(line.level));

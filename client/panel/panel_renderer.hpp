@@ -17,13 +17,13 @@ struct Area {
     int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Text height of the panel [pixels] for a picture height: a fiftieth of it, at least 13.
-[[nodiscard]] int text_height(int height);
+/// Text height of the panel [pixels] for a picture height: a fiftieth of it, at least 13, times `text_scale`.
+[[nodiscard]] int text_height(int height, float text_scale = 1.0f);
 
 /// The panel's area in a picture: at the right, or below if the picture is too narrow. The scene gets the
 /// rest.
-[[nodiscard]] Area panel_area(int width, int height);
-[[nodiscard]] Area scene_area(int width, int height);
+[[nodiscard]] Area panel_area(int width, int height, float text_scale = 1.0f);
+[[nodiscard]] Area scene_area(int width, int height, float text_scale = 1.0f);
 
 /// Pointer for a panel without a window: a test, or a laser pointer.
 struct Pointer {
@@ -37,7 +37,7 @@ struct Pointer {
 class PanelRenderer {
   public:
     /// With a window, takes mouse and keyboard from it.
-    explicit PanelRenderer(GLFWwindow* window = nullptr);
+    explicit PanelRenderer(GLFWwindow* window = nullptr, float text_scale = 1.0f);
 
     /// Draws into a picture of `width` x `height` pixels, at panel_area().
     void draw(Model& model, int width, int height, Model::Time now);
@@ -60,8 +60,8 @@ class PanelRenderer {
     /// A text field has the focus.
     [[nodiscard]] bool has_text() const { return has_text_; }
 
-    /// Area of a control in the last frame, by parameter name or button text; nullopt if it was not drawn
-    /// or is scrolled out of view.
+    /// Area of a control in the last frame, by parameter name or English button text; nullopt if it was not
+    /// drawn or is scrolled out of view.
     [[nodiscard]] std::optional<Area> place(std::string_view control) const;
 
   private:
@@ -78,10 +78,12 @@ class PanelRenderer {
     void draw_health(const Model& model);
     [[nodiscard]] float keyboard_height() const;
     void draw_keyboard(std::string& typed);
-    bool button(const std::string& text);
+    /// `words` in English; shown translated.
+    bool button(const std::string& words);
     void record_place(std::string_view control);
 
     Canvas canvas_;
+    float text_scale_;
     std::map<std::string, Area, std::less<>> places_;
     std::string held_;            // the row whose slider is dragged or edited
     std::optional<float> typed_;  // its value so far

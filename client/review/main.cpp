@@ -18,6 +18,7 @@
 #include "client/review/study/study.hpp"
 #include "client/review/study/study_commands.hpp"
 #include "client/review/summary.hpp"
+#include "client/text/catalogue.hpp"
 #include "common/process/command_line.hpp"
 #include "common/process/escaped.hpp"
 #include "common/process/guard.hpp"
@@ -213,6 +214,20 @@ int main(int argc, char** argv) {
         .add_option("--score", score, fmt::format("Score model, by name or path; {}: no score", no_score))
         .capture_default_str();
 
+    std::string language = "auto", of_languages;
+    std::vector<std::string> language_codes{"auto"};
+    for (const text::Language& one : text::languages()) {
+        language_codes.emplace_back(one.code);
+        of_languages += fmt::format("; {}: {}", one.code, one.name);
+    }
+    report_command
+        .add_option("--language", language,
+                    fmt::format("Language of the page; auto: as the environment says (LANGUAGE, LC_ALL, "
+                                "LC_MESSAGES, LANG){}",
+                                of_languages))
+        .capture_default_str()
+        .one_of(language_codes);
+
     CommandLine study_command = app.add_subcommand(
         "study", "Run the sessions of a study one after another; resumes where it was interrupted");
     std::string study_file;
@@ -265,6 +280,7 @@ int main(int argc, char** argv) {
                 return check(file, repair, json);
             }
             if (report_command.parsed()) {
+                text::set_language(language == "auto" ? text::language_of_environment() : language);
                 return report(files, folder, score, json);
             }
             for (const review::Command& command : study_commands) {

@@ -9,6 +9,8 @@
 #include <span>
 
 #include "client/review/output.hpp"
+#include "client/text/catalogue.hpp"
+#include "client/text/server_sentences.hpp"
 #include "common/model/aims.hpp"
 #include "common/scenario/scenario.hpp"
 
@@ -17,6 +19,7 @@ namespace eti::review {
 namespace {
 
 using nlohmann::ordered_json;
+using text::translate;
 using Steps = std::span<const session::StepRecord>;
 
 /// Number of items that a person can keep in mind.
@@ -52,7 +55,7 @@ ordered_json record_json(const session::SummaryRecord& record, const Summary& su
     ordered_json out;
     out["attempt"] = record.attempt;
     out["success"] = summary.outcome_known(record) ? ordered_json(record.outcome.success) : ordered_json();
-    out["reason"] = record.outcome.reason;
+    out["reason"] = text::translate_sentence(record.outcome.reason);
     for (const MetricField& field : metric_fields) {
         const auto aim = std::ranges::find(aims, field.key, &Aim::key);
         out["values"].push_back(record.metrics.*field.value);
@@ -82,15 +85,16 @@ ordered_json moments_json(Steps steps) {
     ordered_json out = ordered_json::array();
     const auto some = [&](auto&& predicate) { return std::ranges::any_of(steps, predicate); };
     if (some([](const auto& step) { return step.measures.glottic_opening_percent > 0; })) {
-        out.push_back({{"label", "Best view of the glottis"}, {"time_s", time_of_best_view(steps)}});
+        out.push_back(
+            {{"label", translate("Best view of the glottis")}, {"time_s", time_of_best_view(steps)}});
     }
     const auto passed = std::ranges::find_if(
         steps, [](const auto& step) { return step.measures.tube_depth_past_glottis > 0; });
     if (passed != steps.end()) {
-        out.push_back({{"label", "The tube passes the glottis"}, {"time_s", seconds_of(*passed)}});
+        out.push_back({{"label", translate("The tube passes the glottis")}, {"time_s", seconds_of(*passed)}});
     }
     if (some([](const auto& step) { return step.measures.gum_force_n > 0; })) {
-        out.push_back({{"label", "Greatest force on the upper gum"},
+        out.push_back({{"label", translate("Greatest force on the upper gum")},
                        {"time_s", time_of_greatest(
                                       steps, [](const auto& step) { return step.measures.gum_force_n; })}});
     }
@@ -146,7 +150,7 @@ ordered_json practise_json(const Summary& summary, Steps steps, const AttemptMet
         out.push_back({{"key", miss.aim->key},
                        {"value", miss.record->metrics.*metric_field(miss.aim->key).value},
                        {"light", name_of(aim_status(miss.by))},
-                       {"practise", miss.aim->practise},
+                       {"practise", translate(miss.aim->practise)},
                        {"time_s", moment_of(*miss.aim, steps, *miss.record, first)}});
     }
     return out;
@@ -186,12 +190,46 @@ ordered_json samples_json(Steps steps) {
             for (const Steps part : parts) {
                 values.push_back(sample_of(part, field));
             }
-            std::string label(field.label);
+            std::string label(translate(field.label));
             label[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(label[0])));
             lines.push_back({{"label", label}, {"unit", field.unit}, {"values", std::move(values)}});
         }
     }
     return {{"time_s", std::move(time)}, {"lines", std::move(lines)}};
+}
+
+ordered_json score_json(const ScoreModel& model, const Summary& summary) {
+    ordered_json out = to_json(score_of(model, summary.run.metrics, summary.run.outcome.success), model);
+    out["statement"] = text::translate_sentence(out["statement"].get<std::string>());
+    for (ordered_json& one : out["contributions"]) {
+        const std::string label = one["label"];
+        one["label"] = translate(label);
+    }
+    return out;
+}
+
+void replace_once(std::string& text, std::string_view old, std::string_view by) {
+    if (const std::size_t at = text.find(old); at != std::string::npos) {
+        text.replace(at, old.size(), by);
+    }
+}
+
+/// The page with its own texts in the selected language.
+std::string translated_page() {
+    std::string page(report_page());
+    ordered_json texts = ordered_json::object();
+    for (const auto& [english, translated] : text::entries()) {
+        texts[std::string(english)] = translated;
+    }
+    replace_once(page, "<!--texts-->", escape_for_script(texts));
+    replace_once(page, "lang=\"en\"", fmt::format("lang=\"{}\"", text::language()));
+    for (const std::string_view english :
+         {text::translatable("NeoETI report"),
+          text::translatable(
+              "This report needs JavaScript, which is switched off. Nothing is fetched from a network.")}) {
+        replace_once(page, english, translate(english));
+    }
+    return page;
 }
 
 }  // namespace
@@ -216,7 +254,7 @@ ordered_json session_json(const session::SessionReader& reader, const Summary& s
     for (const session::EventRecord& event : reader.events()) {
         out["events"].push_back({{"time_s", 1e-9 * static_cast<double>(event.time_ns)},
                                  {"kind", event.kind},
-                                 {"text", event.text}});
+                                 {"text", text::translate_sentence(event.text)}});
     }
     out["ratings"] = ratings_json(summary.ratings);
     out["answers"] = answers_json(summary.answers);
@@ -227,11 +265,11 @@ ordered_json fields_json() {
     ordered_json out = ordered_json::array();
     for (const MetricField& field : metric_fields) {
         out.push_back({{"key", field.key},
-                       {"label", field.label},
+                       {"label", translate(field.label)},
                        {"unit", field.unit},
                        {"in_paper", field.in_paper},
-                       {"definition", field.definition},
-                       {"norm", field.norm}});
+                       {"definition", translate(field.definition)},
+                       {"norm", translate(field.norm)}});
     }
     return out;
 }
@@ -252,7 +290,7 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
                                    const std::optional<ScoreModel>& model,
                                    const std::function<bool()>& stop) {
     constexpr std::string_view place = "<!--sessions-->";
-    const std::string_view page = report_page();
+    const std::string page = translated_page();
     const std::size_t cut = page.find(place);
     if (cut == std::string_view::npos) {
         throw ExportError(
@@ -272,15 +310,12 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& ses
         const Summary summary = summarise(file);
         ordered_json one = session_json(reader, summary);
         if (model) {
-            one["score"] =
-                summary.outcome_known(summary.run)
-                    ? to_json(score_of(*model, summary.run.metrics, summary.run.outcome.success), *model)
-                    : ordered_json();
+            one["score"] = summary.outcome_known(summary.run) ? score_json(*model, summary) : ordered_json();
         }
         one["anatomy"] = anatomy_json(reader);
         data["sessions"].push_back(std::move(one));
     }
-    std::string whole(page.substr(0, cut));
+    std::string whole = page.substr(0, cut);
     whole += escape_for_script(data);
     whole += page.substr(cut + place.size());
     write_new_file(path, whole, "--out");

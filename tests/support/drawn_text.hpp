@@ -106,7 +106,8 @@ struct DrawnLine {
                                                  .box.intersection(lines[i].clip)
                                                  .intersection(lines[j].box)
                                                  .intersection(lines[j].clip);
-            if (!both.isEmpty() && both.volume() > 0.0f) {
+            // Antialiasing widens a letter by up to half a pixel on each side.
+            if (!both.isEmpty() && (both.sizes().array() > 1.0f).all()) {
                 return "'" + lines[j].text + "' and '" + lines[i].text + "'";
             }
         }
@@ -115,13 +116,17 @@ struct DrawnLine {
 }
 
 /// Contrast of a line against its background by WCAG 2.1: (L1 + 0.05) / (L2 + 0.05) for relative luminances
-/// L1 >= L2 of the background, the median of the box, and of the pixel farthest from it.
+/// L1 >= L2 of the background, the median of the box with two pixels around it, and of the pixel farthest
+/// from it.
 [[nodiscard]] inline double contrast(const DrawnLine& line, const render::Image& image) {
     const auto linear = [](std::uint8_t value) {
         const double v = value / 255.0;
         return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
     };
-    const Eigen::AlignedBox2f seen = line.box.intersection(line.clip);
+    // A dash would fill its box.
+    const Eigen::Vector2f around = Eigen::Vector2f::Constant(2.0f);
+    const Eigen::AlignedBox2f seen =
+        Eigen::AlignedBox2f(line.box.min() - around, line.box.max() + around).intersection(line.clip);
     std::vector<double> luminance;
     for (int y = std::max(0, static_cast<int>(seen.min().y()));
          y < std::min(image.height, static_cast<int>(seen.max().y())); ++y) {

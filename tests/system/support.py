@@ -20,6 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(os.environ.get("ETI_BIN", ROOT / "build/release/bin"))
 sys.path.insert(0, str(ROOT / "deploy"))
+os.environ["LANGUAGE"] = "en"    # of the texts that tests expect
 
 
 def own_domain():

@@ -28,6 +28,9 @@ class EyeCompositor {
     /// Draws the readout into readout_picture(), transparent where it is empty.
     void draw_readout(const hud::Readout& readout);
 
+    /// See Hud::set_text_scale().
+    void set_text_scale(float scale) { hud_.set_text_scale(scale); }
+
     /// Whether the patient is ready to draw: a new patient's colours are first computed in the background.
     [[nodiscard]] bool has_patient() const { return renderer_.meshes().ready(); }
     /// Waits until the GPU has finished drawing.

@@ -164,6 +164,7 @@ class HeadsetClient {
             pictures_.reset();  // only one text overlay may exist
             pictures_ = std::make_unique<EyeCompositor>(headset.eye_width, headset.eye_height,
                                                         options_.drawing_quality());
+            pictures_->set_text_scale(options_.text_scale);
         }
         {
             constexpr std::array<hmd::Session::QuadSize, 2> panels{

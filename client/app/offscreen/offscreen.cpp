@@ -57,6 +57,7 @@ class Offscreen {
           quality_(options.drawing_quality()),
           compositor_(options.width, options.height, quality_),
           pictures_(options.offscreen) {
+        compositor_.set_text_scale(options.text_scale);
         if (!options.video.empty()) {
             video_ = std::make_unique<render::Video>(options.video, options.frames_per_second, options.width,
                                                      options.height);

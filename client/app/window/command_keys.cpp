@@ -6,10 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "client/text/catalogue.hpp"
+
 namespace eti::client {
 namespace {
 
 using namespace std::chrono_literals;
+using text::translatable;
 
 // A patient follows a step of one degree within a tenth of a second, and metrics arrive at 30 Hz.
 constexpr auto pending_timeout = 1s;
@@ -18,16 +21,20 @@ constexpr auto repeat_interval = 100ms;
 
 // As on the assistant's keyboard (eti-controller).
 constexpr std::array command_key_table{
-    CommandKey{key_up, "up", "head_elevation", KeyAction::step, 1.0f, "head up"},
-    CommandKey{key_down, "down", "head_elevation", KeyAction::step, -1.0f, "head down"},
-    CommandKey{key_right, "right", "jaw_opening", KeyAction::step, 1.0f, "jaw open"},
-    CommandKey{key_left, "left", "jaw_opening", KeyAction::step, -1.0f, "jaw closed"},
-    CommandKey{U']', "]", "table_angle", KeyAction::step, 1.0f, "table head-up"},
-    CommandKey{U'[', "[", "table_angle", KeyAction::step, -1.0f, "table head-down"},
-    CommandKey{U'e', "e", "view_enhanced", KeyAction::toggle, 0.0f, "enhanced view on or off"},
-    CommandKey{U's', "s", "suction", KeyAction::hold, 1.0f, "suction while held"},
-    CommandKey{U'-', "-", "laryngeal_pressure_back", KeyAction::hold, 3.0f, "larynx pressed back while held"},
-    CommandKey{U'r', "r", "reset", KeyAction::once, 0.0f, "reset tissue and tube"},
+    CommandKey{key_up, translatable("up"), "head_elevation", KeyAction::step, 1.0f, translatable("head up")},
+    CommandKey{key_down, translatable("down"), "head_elevation", KeyAction::step, -1.0f,
+               translatable("head down")},
+    CommandKey{key_right, translatable("right"), "jaw_opening", KeyAction::step, 1.0f,
+               translatable("jaw open")},
+    CommandKey{key_left, translatable("left"), "jaw_opening", KeyAction::step, -1.0f,
+               translatable("jaw closed")},
+    CommandKey{U']', "]", "table_angle", KeyAction::step, 1.0f, translatable("table head-up")},
+    CommandKey{U'[', "[", "table_angle", KeyAction::step, -1.0f, translatable("table head-down")},
+    CommandKey{U'e', "e", "view_enhanced", KeyAction::toggle, 0.0f, translatable("enhanced view on or off")},
+    CommandKey{U's', "s", "suction", KeyAction::hold, 1.0f, translatable("suction while held")},
+    CommandKey{U'-', "-", "laryngeal_pressure_back", KeyAction::hold, 3.0f,
+               translatable("larynx pressed back while held")},
+    CommandKey{U'r', "r", "reset", KeyAction::once, 0.0f, translatable("reset tissue and tube")},
 };
 
 }  // namespace

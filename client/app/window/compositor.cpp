@@ -95,6 +95,7 @@ void Compositor::draw(const Views& views, const view::SceneView& scene, const hu
     for (const PlacedView& placed : layout(views, target_.width(), target_.height(), arrangement)) {
         const auto begin = std::chrono::steady_clock::now();
         hud::Tile tile = placed.tile;
+        tile.magnification = placed.view->loupe ? from.loupe.magnification : 1.0f;
         tile.marks = aid_marks(*placed.view, placed.view->camera(scene, from), scene, from, look, tile);
         // OpenGL counts rows from below.
         renderer_->draw(*placed.view, scene, target_,

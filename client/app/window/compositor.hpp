@@ -52,6 +52,9 @@ class Compositor {
     /// Prepares a new scene in the background and shows nothing of it until ready; otherwise draw() waits
     /// for it.
     void bake_in_background() { baking_ = render::Baking::in_background; }
+    /// See Hud::set_text_scale().
+    void set_text_scale(float scale) { hud_.set_text_scale(scale); }
+    [[nodiscard]] const hud::Hud& overlay() const { return hud_; }
 
     [[nodiscard]] const render::RenderTarget& target() const { return target_; }
     [[nodiscard]] const render::Quality& quality() const { return *quality_; }

@@ -9,9 +9,14 @@
 
 #include "client/app/window/compositor.hpp"
 #include "client/app/window/vantage_controls.hpp"
+#include "client/text/catalogue.hpp"
 
 namespace eti::client {
 namespace {
+
+std::string text_of(std::string_view english) {
+    return std::string(text::translate(english));
+}
 
 std::optional<hands::HandPlayback> play_of(const std::filesystem::path& file) {
     return file.empty() ? std::nullopt : std::optional(hands::HandPlayback::load(file));
@@ -21,14 +26,14 @@ std::optional<hands::HandPlayback> play_of(const std::filesystem::path& file) {
 
 std::vector<std::pair<std::string, std::string>> hand_controls_help() {
     std::vector<std::pair<std::string, std::string>> out{
-        {"Tab", "switch hand: blade or tube"},
-        {"drag left", "move the tool in the picture's plane; it stays where released"},
-        {"drag right", "rotate the tool about its tip"},
-        {"wheel", "slide the tool in and out"},
-        {"shift+mouse", "move the view instead of the tool"},
-        {"z", "hand back to its initial pose"}};
+        {"Tab", text_of("switch hand: blade or tube")},
+        {text_of("drag left"), text_of("move the tool in the picture's plane; it stays where released")},
+        {text_of("drag right"), text_of("rotate the tool about its tip")},
+        {text_of("wheel"), text_of("slide the tool in and out")},
+        {text_of("shift+mouse"), text_of("move the view instead of the tool")},
+        {"z", text_of("hand back to its initial pose")}};
     for (const HandKey& key : hand_keys()) {
-        out.emplace_back(key.caption, key.help);
+        out.emplace_back(key.caption, text::translate(key.help));
     }
     return out;
 }
@@ -36,8 +41,10 @@ std::vector<std::pair<std::string, std::string>> hand_controls_help() {
 std::vector<std::pair<std::string, std::string>> HandControls::help() {
     std::vector<std::pair<std::string, std::string>> out = hand_controls_help();
     for (auto& row : keys_help(true)) {
-        const auto same = [&](const VantageKey& key) { return key.caption == row.first; };
-        if (row.first != "mouse" && std::ranges::none_of(vantage_keys(), same)) {
+        const auto same = [&](const VantageKey& key) {
+            return key.caption == row.first && key.key != loupe_key;
+        };
+        if (row.first != text::translate("mouse") && std::ranges::none_of(vantage_keys(), same)) {
             out.push_back(std::move(row));
         }
     }
@@ -114,13 +121,13 @@ void HandControls::add_to(hud::Readout& readout) const {
     }
     const bool tube = now.chosen == Tool::tube;
     const bool ours = now.owned[static_cast<std::size_t>(now.chosen)];
-    std::string line = fmt::format("{} in hand", tube ? "tube" : "blade");
+    std::string line = tube ? text_of("tube in hand") : text_of("blade in hand");
     if (!ours) {
-        line = fmt::format("a device holds the {}", tube ? "tube" : "blade");
+        line = tube ? text_of("a device holds the tube") : text_of("a device holds the blade");
     } else if (now.held_back >= 1.0f) {
-        line += ", held back";
+        line = text::translate_format("{}, held back", line);
     }
-    readout.guidance.push_back(line + fmt::format(" (Tab: {})", tube ? "blade" : "tube"));
+    readout.guidance.push_back(fmt::format("{} (Tab: {})", line, tube ? text_of("blade") : text_of("tube")));
 }
 
 nlohmann::json HandControls::report() const {

@@ -4,19 +4,25 @@
 
 #include <algorithm>
 
+#include "client/text/catalogue.hpp"
+
 namespace eti::client {
 namespace {
 
 const std::vector<Selection>& selection_table() {
     static const std::vector<Selection> rows = [] {
         std::vector<Selection> out;
-        Selection all{
-            .name = "all", .key = '4', .help = "every view, side by side", .plain = {}, .enhanced = {}};
-        Selection automatic{.name = "auto",
-                            .key = '0',
-                            .help = "the scenario's view; with enhanced view also the section",
-                            .plain = {},
-                            .enhanced = {}};
+        Selection all{.name = text::translatable("all"),
+                      .key = '4',
+                      .help = text::translatable("every view, side by side"),
+                      .plain = {},
+                      .enhanced = {}};
+        Selection automatic{
+            .name = text::translatable("auto"),
+            .key = '0',
+            .help = text::translatable("the scenario's view; with enhanced view also the section"),
+            .plain = {},
+            .enhanced = {}};
         for (const render::View& view : render::views()) {
             out.push_back({view.name, view.key, view.help, {&view}, {&view}});
             if (view.auto_show == render::AutoShow::alone) {
@@ -34,9 +40,9 @@ const std::vector<Selection>& selection_table() {
         const Views from_four_sides{render::view_named("overview"), render::view_named("section"),
                                     render::view_named("laryngoscope"), render::view_named("eye")};
         out.push_back(all);
-        out.push_back({.name = "four",
+        out.push_back({.name = text::translatable("four"),
                        .key = '7',
-                       .help = "overview, section, blade and eye in equal size",
+                       .help = text::translatable("overview, section, blade and eye in equal size"),
                        .plain = from_four_sides,
                        .enhanced = from_four_sides,
                        .arrangement = Arrangement::even});

@@ -19,6 +19,7 @@ struct VantageKey {
 };
 
 [[nodiscard]] std::span<const VantageKey> vantage_keys();
+inline constexpr char32_t loupe_key = U'8';  ///< a row of the table
 
 /// The row of a key, or nullptr.
 [[nodiscard]] const VantageKey* vantage_key(char32_t key);

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "client/app/controls.hpp"
 #include "client/app/window/special_keys.hpp"
 #include "client/hands/hands.hpp"
 
@@ -53,10 +54,9 @@ Window::Window(int width, int height, const std::string& title) {
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     glfwSetWindowUserPointer(window_, this);
-    glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int) {
-        window_of(w).on_key(key, scancode, action);
-    });
-    // By character, as key positions differ between keyboard layouts.
+    glfwSetKeyCallback(
+        window_, [](GLFWwindow* w, int key, int, int action, int) { window_of(w).on_key(key, action); });
+    // By character first, as key positions differ between keyboard layouts.
     glfwSetCharCallback(window_,
                         [](GLFWwindow* w, unsigned character) { window_of(w).on_character(character); });
     glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {
@@ -104,7 +104,7 @@ int Window::height() const {
     return std::max(height, 64);
 }
 
-void Window::on_key(int key, int scancode, int action) {
+void Window::on_key(int key, int action) {
     repeating_ = action == GLFW_REPEAT;
     if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS && !escape_intercepted_) {
         glfwSetWindowShouldClose(window_, GLFW_TRUE);
@@ -120,14 +120,22 @@ void Window::on_key(int key, int scancode, int action) {
         }
     }
     // Presses arrive in on_character(), releases only here.
-    const char* const name = action == GLFW_RELEASE ? glfwGetKeyName(key, scancode) : nullptr;
-    if (name != nullptr && name[0] > 0 && name[1] == 0) {
-        keys_.push_back({lower(static_cast<unsigned char>(name[0])), false, false});
+    if (action != GLFW_RELEASE) {
+        last_key_ = key;
+    } else if (const auto pressed = pressed_.extract(key)) {
+        keys_.push_back({pressed.mapped(), false, false});
     }
 }
 
 void Window::on_character(unsigned character) {
-    keys_.push_back({lower(character), true, repeating_, character});
+    const char32_t typed = lower(character);
+    // GLFW's codes of printable keys are the characters of a US keyboard.
+    const char32_t by_position =
+        last_key_ > ' ' && last_key_ < 0x80 ? lower(static_cast<char32_t>(last_key_)) : char32_t{0};
+    const bool replaced = !is_shortcut(typed) && is_shortcut(by_position);
+    const char32_t key = replaced ? by_position : typed;
+    pressed_[last_key_] = key;
+    keys_.push_back({key, true, repeating_, character});
 }
 
 double Window::pixels_per_unit() const {

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,7 +13,9 @@ struct GLFWwindow;
 
 namespace eti::client {
 
-/// A key press or release: a lower-case character, or one of special_keys.hpp.
+/// A key press or release: a lower-case character, or one of special_keys.hpp. A character without a function
+/// is replaced by that of the same key on a US keyboard if it has one: Cyrillic layouts have no Latin
+/// letters, and French ones no digits without shift.
 struct KeyEvent {
     char32_t key;
     bool down;
@@ -49,7 +52,7 @@ class Window {
     [[nodiscard]] std::vector<hands::Drag> take_drags() { return std::exchange(drags_, {}); }
 
   private:
-    void on_key(int key, int scancode, int action);
+    void on_key(int key, int action);
     void on_character(unsigned character);
     void on_button(int button, int action, int modifiers);
     void on_move(double x, double y);
@@ -62,6 +65,8 @@ class Window {
 
     GLFWwindow* window_ = nullptr;
     std::vector<KeyEvent> keys_;
+    int last_key_ = -1;                ///< GLFW's code, by position, of the newest press
+    std::map<int, char32_t> pressed_;  ///< by GLFW's code: as what its press was reported
     bool repeating_ = false, escape_intercepted_ = false;
     std::vector<hands::Drag> drags_;
     double last_x_ = 0.0, last_y_ = 0.0;

@@ -32,7 +32,7 @@ bool WindowPanel::press(const KeyEvent& event) {
 }
 
 panel::Area WindowPanel::scene_area() const {
-    return shown_ ? panel::scene_area(window_.width(), window_.height())
+    return shown_ ? panel::scene_area(window_.width(), window_.height(), text_scale_)
                   : panel::Area{0, 0, window_.width(), window_.height()};
 }
 

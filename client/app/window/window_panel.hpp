@@ -14,8 +14,12 @@ class WindowPanel {
     using Time = panel::Model::Time;
 
     /// Window and model must outlive the panel.
-    WindowPanel(Window& window, panel::Model& model, bool shown)
-        : window_(window), model_(model), drawing_(window.handle()), shown_(shown) {}
+    WindowPanel(Window& window, panel::Model& model, bool shown, float text_scale)
+        : window_(window),
+          model_(model),
+          drawing_(window.handle(), text_scale),
+          text_scale_(text_scale),
+          shown_(shown) {}
 
     /// Call instead of Window::poll_events().
     void poll_events();
@@ -35,6 +39,7 @@ class WindowPanel {
     Window& window_;
     panel::Model& model_;
     panel::PanelRenderer drawing_;
+    float text_scale_;
     bool shown_;
 };
 

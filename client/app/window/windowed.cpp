@@ -15,6 +15,7 @@
 #include "client/app/window/window.hpp"
 #include "client/app/window/window_panel.hpp"
 #include "client/render/gl/headless_context.hpp"
+#include "client/text/catalogue.hpp"
 #include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
 
@@ -30,9 +31,10 @@ int run_windowed(const Options& options, nlohmann::json& result) {
     lower_priority(window_nice);
     Window window(options.width, options.height, "NeoETI - " + options.bus.session);
     ClientSession session(options);
-    WindowPanel panel(window, *session.panel, options.panel);
+    WindowPanel panel(window, *session.panel, options.panel, options.text_scale);
     Compositor compositor(window.width(), window.height(), options.drawing_quality());
     compositor.bake_in_background();
+    compositor.set_text_scale(options.text_scale);
     spdlog::info("rendering with {}, quality {}", render::driver_name(), compositor.quality().name);
     std::uint64_t frames = 0;
     auto served_at = std::chrono::steady_clock::now();
@@ -66,7 +68,7 @@ int run_windowed(const Options& options, nlohmann::json& result) {
             compositor.resize(area.width, area.height);
             hud::Readout readout = session.readout(now);
             if (!readout.keys.empty()) {
-                readout.keys.emplace_back("quality", compositor.quality().name);
+                readout.keys.emplace_back(text::translate("quality"), compositor.quality().name);
             }
             compositor.draw(*shown, session.scene, readout, session.controls.vantage(), options.json,
                             selection.arrangement);

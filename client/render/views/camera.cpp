@@ -88,14 +88,14 @@ Camera blade_camera(const RigidTransform& pose, const Laryngoscope& scope) {
     return camera;
 }
 
-Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now) {
+Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now, float magnification) {
     const RigidTransform pose = eye.pose(now);
     Camera camera;
     camera.eye = pose.translation;
     // The lights also need a finite target: the distance of the glottis.
     camera.target = pose * Vec3f(0.0f, 0.0f, -(camera.eye - at(now, Landmark::glottis)).norm());
     camera.up = pose.rotation * Vec3f::UnitY();
-    camera.vertical_fov = 26.0f * degree;
+    camera.vertical_fov = 2.0f * std::atan(std::tan(13.0f * degree) / magnification);
     // The laryngoscope's handle comes close.
     camera.near_plane = 0.03f;
     camera.far_plane = 0.8f;

@@ -56,8 +56,10 @@ struct Orbit {
 /// lens.
 [[nodiscard]] Camera blade_camera(const RigidTransform& pose, const Laryngoscope& scope);
 
-/// The trainee's eye, with the field around its target that a person sees clearly.
-[[nodiscard]] Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now);
+/// The trainee's eye, with the field around its target that a person sees clearly, through a loupe of this
+/// magnification.
+[[nodiscard]] Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now,
+                                float magnification = 1.0f);
 
 /// An eye behind a headset's lens. `pose` in OpenXR's convention, patient frame.
 [[nodiscard]] Camera headset_camera(const RigidTransform& pose, const FieldOfView& field);

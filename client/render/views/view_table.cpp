@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "client/text/catalogue.hpp"
+
 namespace eti::render {
 namespace {
 
@@ -31,7 +33,7 @@ Cameras onto_the_cut(const view::SceneView& scene, const Vantage& from) {
 }
 
 Cameras from_the_eye(const view::SceneView& scene, const Vantage& from) {
-    return {eye_camera(from.eye, scene.landmarks())};
+    return {eye_camera(from.eye, scene.landmarks(), from.loupe.magnification)};
 }
 
 // Parallel axes, so that stereo pictures need only a lens correction.
@@ -45,13 +47,16 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
     return {left, right};
 }
 
+constexpr float wheel_factor = 1.15f;  // for a notch: five notches double it
+constexpr float least_worn = 1.5f;     // weaker loupes would look like none
+
 const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools,
                                    Pass::liquid,      Pass::glottis, Pass::annotations};
 
 const std::array table{
-    View{.name = "eye",
+    View{.name = text::translatable("eye"),
          .key = '5',
-         .help = "the view from the trainee's eye",
+         .help = text::translatable("the view from the trainee's eye"),
          .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
          .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
@@ -59,10 +64,11 @@ const std::array table{
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::eye,
-         .lips_retracted = true},
-    View{.name = "laryngoscope",
+         .lips_retracted = true,
+         .loupe = true},
+    View{.name = text::translatable("laryngoscope"),
          .key = '3',
-         .help = "video laryngoscope: a camera on the blade",
+         .help = text::translatable("video laryngoscope: a camera on the blade"),
          .cameras = on_the_blade,
          .lighting = laryngoscope_lighting,
          .passes = of_a_mouth,
@@ -72,9 +78,9 @@ const std::array table{
          .mouse_target = MouseTarget::eye,
          .lips_retracted = true,
          .lens = true},
-    View{.name = "overview",
+    View{.name = text::translatable("overview"),
          .key = '1',
-         .help = "head and hands from outside",
+         .help = text::translatable("head and hands from outside"),
          .cameras = from_above,
          .lighting = overview_lighting,
          // An observer sees little of the lamp's light through the mouth, with or without lips.
@@ -84,9 +90,9 @@ const std::array table{
          .background = Vec3f(0.035f, 0.065f, 0.075f),
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::onlooker},
-    View{.name = "section",
+    View{.name = text::translatable("section"),
          .key = '2',
-         .help = "section in the midline or any other plane",
+         .help = text::translatable("section in the midline or any other plane"),
          .cameras = onto_the_cut,
          .lighting = section_lighting,
          .passes = {Pass::caps, Pass::patient, Pass::tools, Pass::liquid, Pass::hidden_tools,
@@ -96,9 +102,9 @@ const std::array table{
          .auto_show = AutoShow::enhanced,
          .mouse_target = MouseTarget::section,
          .cut = true},
-    View{.name = "stereo",
+    View{.name = text::translatable("stereo"),
          .key = '6',
-         .help = "both of the trainee's eyes, side by side",
+         .help = text::translatable("both of the trainee's eyes, side by side"),
          .cameras = from_both_eyes,
          .lighting = laryngoscope_lighting,
          .passes = of_a_mouth,
@@ -106,7 +112,8 @@ const std::array table{
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .auto_show = AutoShow::alone,
          .mouse_target = MouseTarget::eye,
-         .lips_retracted = true},
+         .lips_retracted = true,
+         .loupe = true},
 };
 
 }  // namespace
@@ -114,9 +121,9 @@ const std::array table{
 const View& headset_view() {
     // The whole patient in front of the trainee, with one room lamp for both eyes.
     static const View view{
-        .name = "hmd",
+        .name = text::translatable("hmd"),
         .key = '\0',
-        .help = "the trainee's headset",
+        .help = text::translatable("the trainee's headset"),
         .cameras = [](const view::SceneView&, const Vantage& from) { return from.headset_eyes; },
         .lighting = headset_lighting,
         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
@@ -127,6 +134,20 @@ const View& headset_view() {
         .mouse_target = MouseTarget::eye,
         .lips_retracted = true};
     return view;
+}
+
+void Loupe::toggle() {
+    if (on()) {
+        worn_ = magnification;
+    }
+    magnification = on() ? 1.0f : worn_;
+}
+
+void Loupe::turn_wheel(float notches) {
+    if (on()) {
+        magnification =
+            std::clamp(magnification * std::pow(wheel_factor, notches), least_worn, max_magnification);
+    }
 }
 
 bool View::has(Pass pass) const {

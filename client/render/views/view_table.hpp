@@ -67,6 +67,7 @@ struct View {
     MouseTarget mouse_target = MouseTarget::eye;
     bool lips_retracted = false;  ///< the trainee's fingers retract the lips, see LipRetraction
     bool cut = false;             ///< cut along the vantage's section plane
+    bool loupe = false;           ///< through the vantage's loupe
     bool lens = false;            ///< seen through a lens in the mouth, which can fog
 
     [[nodiscard]] bool has(Pass pass) const;

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 import { element, sessionName } from "./element.js";
 import { indexAt, Recording } from "./recording.js";
+import { t } from "./texts.js";
 import { Viewer } from "./viewer.js";
 
 const picture = [640, 460];
@@ -10,24 +11,24 @@ const picture = [640, 460];
 /// called once it is in the page.
 export function anatomySection(sessions, seek) {
   const stage = element("div", { class: "stage screen" });
-  const slider = element("input", { type: "range", min: 0, max: 1, step: "any", value: 0, "aria-label": "Moment",
+  const slider = element("input", { type: "range", min: 0, max: 1, step: "any", value: 0, "aria-label": t("Moment"),
     oninput: () => { stop(); seek(Number(slider.value), shown); } });
   const clock = element("output", {}, "0.0 s");
-  const play = element("button", { onclick: () => (timer === null ? start() : stop()) }, "Play");
+  const play = element("button", { onclick: () => (timer === null ? start() : stop()) }, t("Play"));
   const section = element("input", { type: "checkbox", checked: "", onchange: () => viewer?.cut(section.checked) });
-  const views = element("select", { "aria-label": "View from", onchange: () => viewer?.look(views.value) },
-    element("option", { value: "near" }, "from the left, near"),
-    element("option", { value: "beside" }, "from the left"), element("option", { value: "above" }, "from above the face"),
-    element("option", { value: "eye" }, "from the operator"));
-  const choice = element("select", { "aria-label": "Session", onchange: () => open(Number(choice.value), 0) },
+  const views = element("select", { "aria-label": t("View from"), onchange: () => viewer?.look(views.value) },
+    element("option", { value: "near" }, t("from the left, near")),
+    element("option", { value: "beside" }, t("from the left")), element("option", { value: "above" }, t("from above the face")),
+    element("option", { value: "eye" }, t("from the operator")));
+  const choice = element("select", { "aria-label": t("Session"), onchange: () => open(Number(choice.value), 0) },
     ...sessions.map((session, index) => element("option", { value: index }, sessionName(session, index, sessions.length))));
   const gallery = element("div", { class: "gallery" });
-  const whole = element("section", { id: "anatomy" }, element("h2", {}, "Tools over the anatomy"),
+  const whole = element("section", { id: "anatomy" }, element("h2", {}, t("Tools over the anatomy")),
     element("div", { class: "bar screen" }, play, slider, clock,
-      element("label", {}, section, " section in the midline"), views, sessions.length > 1 ? choice : null),
+      element("label", {}, section, t(" section in the midline")), views, sessions.length > 1 ? choice : null),
     stage,
-    element("p", { class: "soft" }, "Blue: path of the blade's tip; brown: path of the tube's tip. ",
-      element("span", { class: "screen" }, "Drag to rotate; wheel or pinch to zoom.")),
+    element("p", { class: "soft" }, t("Blue: path of the blade's tip; brown: path of the tube's tip. "),
+      element("span", { class: "screen" }, t("Drag to rotate; wheel or pinch to zoom."))),
     gallery);
 
   let viewer = null;
@@ -38,11 +39,11 @@ export function anatomySection(sessions, seek) {
   function stop() {
     cancelAnimationFrame(timer);
     timer = null;
-    play.textContent = "Play";
+    play.textContent = t("Play");
   }
 
   function start() {
-    play.textContent = "Pause";
+    play.textContent = t("Pause");
     let before = performance.now();
     let time = Number(slider.value) >= recording?.end ? 0 : Number(slider.value);
     const step = (now) => {
@@ -80,7 +81,7 @@ export function anatomySection(sessions, seek) {
       viewer = new Viewer(anatomy, Math.max(260, stage.clientWidth), Math.max(240, stage.clientHeight));
     } catch {
       viewer = null;
-      stage.textContent = "This browser does not support WebGL, so there is no 3-D view. Numbers and charts are complete.";
+      stage.textContent = t("This browser does not support WebGL, so there is no 3-D view. Numbers and charts are complete.");
       return;
     }
     const paths = [[], []];
@@ -104,9 +105,9 @@ export function anatomySection(sessions, seek) {
     gallery.replaceChildren(...moments.map(({ label, time_s: time }) => {
       present(time);
       return element("figure", {},
-        element("img", { src: viewer.picture(), alt: `${label}, in the midline's section`, width: picture[0],
+        element("img", { src: viewer.picture(), alt: t("{0}, in the midline's section", label), width: picture[0],
           height: picture[1] }),
-        element("figcaption", {}, `${label}, at ${time.toFixed(1)} s`));
+        element("figcaption", {}, t("{0}, at {1} s", label, time.toFixed(1))));
     }));
     viewer.resize(Math.max(260, stage.clientWidth), Math.max(240, stage.clientHeight));
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 
+import { t } from "./texts.js";
+
 /// An element with attributes (`on...`: a listener) and children. Texts never become markup.
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
@@ -35,7 +37,7 @@ export function light(word) {
   shape.setAttribute("d", path);
   shape.setAttribute("fill", colour);
   drawing.append(shape);
-  return element("span", { class: "light", "data-light": word }, drawing, word);
+  return element("span", { class: "light", "data-light": word }, drawing, t(word));
 }
 
 /// Counts and grades without decimals, as the printed summary has them; a dash for what does not exist.
@@ -56,7 +58,7 @@ export function aimOf(field, fields) {
 
 /// A button that goes to a moment.
 export function moment(time, session, seek) {
-  return element("button", { class: "moment", title: "Show this moment", onclick: () => seek(time, session) },
+  return element("button", { class: "moment", title: t("Show this moment"), onclick: () => seek(time, session) },
     `${time.toFixed(1)} s`);
 }
 

@@ -4,6 +4,7 @@ import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { eventList, opinions, outcomes, parameterTable, practice, scores } from "./summary.js";
 import { element } from "./element.js";
+import { t } from "./texts.js";
 import { Timeline } from "./timeline.js";
 import { anatomySection } from "./anatomy.js";
 
@@ -30,7 +31,8 @@ if (data.sessions.some((session) => session.ratings.length + session.answers.len
   page.append(opinions(data.sessions));
 }
 page.append(element("p", { class: "soft" },
-  `NeoETI ${data.program}. Not a medical device; does not certify skill. This page makes no network connections.`));
+  t("NeoETI {0}. Not a medical device; does not certify skill. This page makes no network connections.",
+    data.program)));
 timeline.draw();
 anatomy.draw();
 document.documentElement.dataset.ready = "yes";

@@ -54,7 +54,7 @@ if(ETI_NODE AND ETI_NPM)
   endif()
   if(fetched STREQUAL wanted)
     set(ETI_REPORT_PAGE ${page_build}/page.html)
-    set(sources bundle.mjs page.html style.css main.js element.js summary.js timeline.js anatomy.js recording.js viewer.js)
+    set(sources bundle.mjs page.html style.css main.js element.js texts.js summary.js timeline.js anatomy.js recording.js viewer.js)
     list(TRANSFORM sources PREPEND ${page}/)
     add_custom_command(OUTPUT ${ETI_REPORT_PAGE} DEPENDS ${sources} ${page_build}/fetched
                        COMMAND ${ETI_NODE} ${page}/bundle.mjs ${page_build} ${ETI_REPORT_PAGE}

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 import { aimOf, element, light, moment, number, sessionName } from "./element.js";
+import { t } from "./texts.js";
 
 function outcomeWord(record) {
-  return record.success === null ? "Outcome unknown" : record.success ? "Intubated" : "Not intubated";
+  return record.success === null ? t("Outcome unknown") : record.success ? t("Intubated") : t("Not intubated");
 }
 
 function outcomeLight(record) {
@@ -14,7 +15,7 @@ function outcomeLight(record) {
 }
 
 function how(session) {
-  return session.live ? ", still being recorded" : session.finished ? "" : ", cut off before its end";
+  return session.live ? t(", still being recorded") : session.finished ? "" : t(", cut off before its end");
 }
 
 /// Whether the last attempt already says what became of the run. The run is judged at the session's end, when the
@@ -33,17 +34,18 @@ export function outcomes({ sessions }) {
       element("p", { class: "outcome" }, outcomeLight(session.run), " ", outcomeWord(session.run)),
       lastAttemptSaysIt(session) ? null : element("p", { class: "reason" }, session.run.reason),
       element("p", { class: "soft" },
-        `${session.file}; session ${session.session}, ${session.start_time}, ${session.duration_s.toFixed(1)} s` +
-        `${how(session)}; recorded by version ${session.version}`));
+        t("{0}; session {1}, {2}, {3} s{4}; recorded by version {5}", session.file, session.session,
+          session.start_time, session.duration_s.toFixed(1), how(session), session.version)));
     if (session.lost_records > 0) {
-      column.append(element("p", {}, `${session.lost_records} records were lost, because the disk was too slow.`));
+      column.append(element("p", {}, t("{0} records were lost, because the disk was too slow.",
+        session.lost_records)));
     }
     for (const attempt of session.attempts) {
       column.append(element("p", { class: "attempt" }, outcomeLight(attempt),
-        ` Attempt ${attempt.attempt}: ${outcomeWord(attempt).toLowerCase()}; ${attempt.reason}`));
+        " ", t("Attempt {0}: {1}; {2}", attempt.attempt, outcomeWord(attempt).toLowerCase(), attempt.reason)));
     }
     if (session.debriefing) {
-      column.append(element("p", {}, `To discuss: ${session.debriefing}`));
+      column.append(element("p", {}, t("To discuss: {0}", session.debriefing)));
     }
     columns.append(column);
   });
@@ -53,18 +55,18 @@ export function outcomes({ sessions }) {
 /// Of the first session: what to practise, farthest from its aim first.
 export function practice({ sessions, fields }, seek) {
   const [session] = sessions;
-  const section = element("section", { id: "practise" }, element("h2", {}, "To practise"));
+  const section = element("section", { id: "practise" }, element("h2", {}, t("To practise")));
   const list = element("ol", { class: "practise" });
   for (const item of session.practise) {
     const field = fields.find((one) => one.key === item.key);
     list.append(element("li", {},
       element("strong", {}, item.practise), ". ",
       light(item.light), " ",
-      `${field.label}: ${number(item.value)}${field.unit ? ` ${field.unit}` : ""}, at `, moment(item.time_s, 0, seek),
-      element("div", { class: "soft" }, `Aim: ${aimOf(field, fields)}. Measured: ${field.definition}.`)));
+      `${field.label}: ${number(item.value)}${field.unit ? ` ${field.unit}` : ""}`, t(", at "), moment(item.time_s, 0, seek),
+      element("div", { class: "soft" }, t("Aim: {0}. Measured: {1}.", aimOf(field, fields), field.definition))));
   }
   section.append(session.practise.length > 0
-    ? list : element("p", {}, "All measured aims are reached."));
+    ? list : element("p", {}, t("All measured aims are reached.")));
   return section;
 }
 
@@ -78,23 +80,22 @@ export function scores({ sessions }) {
     const column = element("div", {}, sessions.length > 1 ? element("h3", {}, sessionName(session, index, sessions.length)) : null);
     columns.append(column);
     if (!score) {
-      column.append(element("p", {}, "Not scored, as the outcome is unknown."));
+      column.append(element("p", {}, t("Not scored, as the outcome is unknown.")));
       return;
     }
     const shown = score.contributions.filter((one) => Math.abs(one.log_odds) >= worthListing);
     const small = score.contributions.length - shown.length;
     column.append(
-      element("p", { class: "outcome", "data-grade": score.grade }, `${score.grade.toFixed(1)} of ${score.of}`),
+      element("p", { class: "outcome", "data-grade": score.grade }, t("{0} of {1}", score.grade.toFixed(1), score.of)),
       element("p", {}, outcomeLight(session.run), " ", outcomeWord(session.run)),
       element("p", { class: "soft" }, score.statement),
       element("table", {}, element("tbody", {}, ...shown.map((one) => element("tr", { "data-contribution": one.key },
-        element("td", {}, one.label + (one.measured ? "" : ": not reached, counted as the worst value")),
+        element("td", {}, one.label + (one.measured ? "" : t(": not reached, counted as the worst value"))),
         element("td", { class: "number" }, `${one.log_odds < 0 ? "−" : "+"}${Math.abs(one.log_odds).toFixed(2)}`))))),
-      element("p", { class: "soft" }, small > 0 ? `${small} more contribute less than ${worthListing} each.` : ""));
+      element("p", { class: "soft" }, small > 0 ? t("{0} more contribute less than {1} each.", small, worthListing) : ""));
   });
-  return element("section", { id: "score" }, element("h2", {}, "Automatic score"),
-    element("p", { class: "soft" }, "Contributions of each metric and the outcome, in log odds of a better grade. A positive value ",
-      "means better than the average of the training sessions. They add up to the score."),
+  return element("section", { id: "score" }, element("h2", {}, t("Automatic score")),
+    element("p", { class: "soft" }, t("Contributions of each metric and the outcome, in log odds of a better grade. A positive value means better than the average of the training sessions. They add up to the score.")),
     columns);
 }
 
@@ -109,14 +110,14 @@ export function parameterTable({ sessions, fields }) {
   const [first] = sessions;
   const alone = sessions.length === 1;
   const columns = alone && first.attempts.length > 0
-    ? [["Run", first.run], ...first.attempts.map((one) => [`Attempt ${one.attempt}`, one])]
+    ? [[t("Run"), first.run], ...first.attempts.map((one) => [t("Attempt {0}", one.attempt), one])]
     : sessions.map((session, index) => [sessionName(session, index, sessions.length), session.run]);
-  const head = element("tr", {}, element("th", {}, "Metric"), element("th", {}, "Unit"),
-    ...columns.map(([name]) => element("th", { class: "number" }, name)), element("th", {}, "Aim and its source"));
+  const head = element("tr", {}, element("th", {}, t("Metric")), element("th", {}, t("Unit")),
+    ...columns.map(([name]) => element("th", { class: "number" }, name)), element("th", {}, t("Aim and its source")));
   const body = element("tbody");
   for (const inPaper of [true, false]) {
     body.append(element("tr", { class: "part" }, element("th", { colspan: columns.length + 3 },
-      inPaper ? "Metrics of Xiao et al. 2020" : "Beyond the paper")));
+      inPaper ? t("Metrics of Xiao et al. 2020") : t("Beyond the paper"))));
     fields.forEach((field, row) => {
       if (field.in_paper !== inPaper) {
         return;
@@ -128,7 +129,7 @@ export function parameterTable({ sessions, fields }) {
         if (!alone && column > 0 && value !== null && first.run.values[row] !== null) {
           const difference = value - first.run.values[row];
           cell.append(element("span", { class: "difference" },
-            `${difference < 0 ? "−" : "+"}${number(Math.abs(difference))} to the first`));
+            t("{0} to the first", `${difference < 0 ? "−" : "+"}${number(Math.abs(difference))}`)));
         }
         return cell;
       });
@@ -137,9 +138,8 @@ export function parameterTable({ sessions, fields }) {
         element("td", { class: "aim soft" }, aimOf(field, fields))));
     });
   }
-  return element("section", { id: "parameters" }, element("h2", {}, "Metrics"),
-    element("p", { class: "soft" }, "A light shows whether a value reaches its aim, is near it or misses it. Metrics without a ",
-      "known aim have none. ", element("span", { class: "screen" }, "Tap a name to see its definition.")),
+  return element("section", { id: "parameters" }, element("h2", {}, t("Metrics")),
+    element("p", { class: "soft" }, t("A light shows whether a value reaches its aim, is near it or misses it. Metrics without a known aim have none. "), element("span", { class: "screen" }, t("Tap a name to see its definition."))),
     element("div", { class: "wide" }, element("table", {}, element("thead", {}, head), body)));
 }
 
@@ -153,13 +153,13 @@ function tables(id, title, sessions, rows) {
 }
 
 export function eventList(sessions, seek) {
-  return tables("events", "Events", sessions, (session, index) => session.events.map(
-    (event) => [moment(event.time_s, index, seek), event.kind, event.text]));
+  return tables("events", t("Events"), sessions, (session, index) => session.events.map(
+    (event) => [moment(event.time_s, index, seek), t(event.kind), event.text]));
 }
 
 /// What instructors and participants said after the sessions.
 export function opinions(sessions) {
-  return tables("opinions", "Ratings and answers", sessions, (session) => [
-    ...session.ratings.map((one) => [one.item, `${one.score} of 5`, `rated by ${one.rater}`]),
+  return tables("opinions", t("Ratings and answers"), sessions, (session) => [
+    ...session.ratings.map((one) => [one.item, t("{0} of {1}", one.score, 5), t("rated by {0}", one.rater)]),
     ...session.answers.map((one) => [one.text, one.answer, one.form])]);
 }

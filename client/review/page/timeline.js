@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 import uPlot from "uplot";
 import { element, sessionName } from "./element.js";
+import { t } from "./texts.js";
 
 // Okabe and Ito's colours for any eye that stand out from white, each with its own dash.
 const strokes = ["#0b5cad", "#d55e00", "#007a5a", "#a0457c"];
@@ -17,10 +18,10 @@ export class Timeline {
     this.now = null;
     this.charts = [];
     this.place = element("div", { class: "charts" });
-    this.section = element("section", { id: "timeline" }, element("h2", {}, "Timeline"),
+    this.section = element("section", { id: "timeline" }, element("h2", {}, t("Timeline")),
       element("p", { class: "soft screen" },
-        "Drag to zoom in, double-click to zoom out; click to show a moment in 3-D. ",
-        "Thin lines are events of the first session."),
+        t("Drag to zoom in, double-click to zoom out; click to show a moment in 3-D. "),
+        t("Thin lines are events of the first session.")),
       this.place);
   }
 
@@ -43,7 +44,7 @@ export class Timeline {
         // From 0 s on, unless zoomed: the first sample lies after it, and its time is no round number.
         scales: { x: { time: false, range: (chart, low, high) => [low === chart.data[0][0] ? 0 : low, high] } },
         axes: [{ size: 28, values: (_, all) => all.map((value) => `${value} s`) }, { size: 46 }],
-        series: [{ label: "Time", value: (_, value) => (value === null ? "–" : `${value.toFixed(2)} s`) },
+        series: [{ label: t("Time"), value: (_, value) => (value === null ? "–" : `${value.toFixed(2)} s`) },
           ...this.sessions.map((session, index) => ({
             label: sessionName(session, index, this.sessions.length),
             stroke: strokes[index],

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "client/app/tutorial.hpp"
+#include "client/text/catalogue.hpp"
 #include "common/math/units.hpp"
 
 namespace eti {
 namespace {
 
 std::optional<int> parse(std::initializer_list<const char*> arguments, client::Options& options) {
+    ::setenv("LANGUAGE", "en", 1);  // of the texts that other tests expect
     std::vector<char*> argv{const_cast<char*>("eti-client")};
     for (const char* argument : arguments) {
         argv.push_back(const_cast<char*>(argument));
@@ -36,6 +38,19 @@ TEST(Options, OnlyOffscreenTraineeRecordsVideoByDefault) {
     client::Options silent;
     ASSERT_FALSE(parse({"--offscreen", "pics", "--no-video"}, silent));
     EXPECT_TRUE(silent.video.empty());
+}
+
+TEST(Options, LanguageTextScaleAndLoupeAreChosen) {
+    client::Options options;
+    ASSERT_FALSE(parse({"--language", "vi", "--text-scale", "1.5", "--loupe", "3"}, options));
+    EXPECT_EQ(text::language(), "vi");
+    EXPECT_EQ(options.text_scale, 1.5f);
+    EXPECT_EQ(options.vantage.loupe.magnification, 3.0f);
+    ASSERT_FALSE(parse({}, options));
+    EXPECT_EQ(text::language(), "en");
+    for (const auto& refused : {std::pair{"--language", "la"}, {"--text-scale", "4"}, {"--loupe", "0.5"}}) {
+        EXPECT_EQ(parse({refused.first, refused.second}, options), 2) << refused.first;
+    }
 }
 
 TEST(Options, InstructorHasFourViewsAndIsNotTrainee) {

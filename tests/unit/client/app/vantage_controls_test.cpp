@@ -56,6 +56,34 @@ TEST(VantageKeys, MoveEyeAlongItsAxesAndReset) {
     EXPECT_EQ(client::vantage_key(U'q'), nullptr);
 }
 
+TEST(Loupe, EnlargesTheEyesPictureOnly) {
+    view::SceneView scene;
+    synthetic::fill(scene, synthetic::make_scene());
+    // Size of the glottis in the picture: the tangent that a metre fills.
+    const auto scale = [&](const char* view, const Vantage& from) {
+        return render::view_named(view)->camera(scene, from).projection(1.0f)(1, 1);
+    };
+    Vantage worn;
+    client::vantage_key(client::loupe_key)->press(worn, points);
+    EXPECT_NEAR(scale("eye", worn) / scale("eye", {}), render::Loupe::usual_magnification, 1e-3f);
+    EXPECT_EQ(scale("overview", worn), scale("overview", {}));
+    EXPECT_EQ(went(worn), went(Vantage())) << "the published eye stays";
+    // The wheel changes the magnification instead of the distance, and the loupe remembers it.
+    const float before = worn.loupe.magnification;
+    client::drag(worn, *render::view_named("eye"), {.notches = 1.0f}, points);
+    EXPECT_GT(worn.loupe.magnification, 1.1f * before);
+    EXPECT_EQ(went(worn), went(Vantage()));
+    const float chosen = worn.loupe.magnification;
+    client::vantage_key(client::loupe_key)->press(worn, points);
+    EXPECT_FALSE(worn.loupe.on());
+    client::vantage_key(client::loupe_key)->press(worn, points);
+    EXPECT_EQ(worn.loupe.magnification, chosen);
+    client::drag(worn, *render::view_named("eye"), {.notches = 100.0f}, points);
+    EXPECT_EQ(worn.loupe.magnification, render::Loupe::max_magnification);
+    client::drag(worn, *render::view_named("eye"), {.notches = -100.0f}, points);
+    EXPECT_TRUE(worn.loupe.on());
+}
+
 TEST(Mouse, MovesEyeOrOrbitDependingOnView) {
     const hands::Drag sideways{.x = 50.0f, .y = -20.0f, .notches = 1.0f};
     Vantage eye;

@@ -109,6 +109,33 @@ TEST(Window, QueuesKeysUntilTaken) {
     EXPECT_FALSE(window.open());
 }
 
+// As a window system calls with the Russian and the French layout.
+TEST_F(WindowTest, KeysWithoutTheirLetterActByPosition) {
+    const GLFWkeyfun on_key = glfwSetKeyCallback(native_, nullptr);
+    const GLFWcharfun on_character = glfwSetCharCallback(native_, nullptr);
+    const auto type = [&](int position, unsigned character) {
+        on_key(native_, position, 0, GLFW_PRESS, 0);
+        on_character(native_, character);
+        on_key(native_, position, 0, GLFW_RELEASE, 0);
+        return window_->take_keys();
+    };
+    struct Row {
+        int position;
+        unsigned character;
+        char32_t key;
+    };
+    for (const Row& row :
+         {Row{GLFW_KEY_S, U'\u044b', U's'}, Row{GLFW_KEY_P, U'\u0417', U'p'},
+          Row{GLFW_KEY_LEFT_BRACKET, U'\u0445', U'['}, Row{GLFW_KEY_1, U'&', U'1'},
+          // The letter counts where the layout has it: z on a German keyboard, - on a French one.
+          Row{GLFW_KEY_Y, U'z', U'z'}, Row{GLFW_KEY_6, U'-', U'-'}}) {
+        const std::vector<client::KeyEvent> keys = type(row.position, row.character);
+        ASSERT_EQ(keys.size(), 2u) << row.position;
+        EXPECT_TRUE(keys[0].key == row.key && keys[0].down && keys[0].typed == row.character) << row.position;
+        EXPECT_TRUE(keys[1].key == row.key && !keys[1].down) << row.position;
+    }
+}
+
 TEST_F(WindowTest, QueuesDragsUntilTaken) {
     const GLFWcursorposfun on_move = glfwSetCursorPosCallback(native_, nullptr);
     const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(native_, nullptr);

@@ -71,6 +71,21 @@ TEST_F(Labels, SitBesideTheirMarkIfSpaceIsFree) {
     EXPECT_FLOAT_EQ(box(tile.marks[0]).high.x(), 280.0f);
 }
 
+TEST_F(Labels, KeepClearOfBoxesAndAreHiddenBeneath) {
+    hud::Tile tile{"eye", 0, 0, 300, 150};
+    const hud::Box box{{155.0f, 0.0f}, {300.0f, 150.0f}};
+    tile.marks = {dot(140.0f, 75.0f, "blade"), dot(200.0f, 75.0f, "tongue")};
+    hud::place_labels(tile, *font_, {&box, 1});
+    ASSERT_TRUE(tile.marks[0].label);
+    EXPECT_LE(this->box(tile.marks[0]).high.x(), 155.0f);
+    EXPECT_FALSE(tile.marks[1].label);
+    // Without room for it there is no text rather than one upon another.
+    tile = {"eye", 0, 0, 300, 18};
+    tile.marks = {dot(150.0f, 9.0f, std::string(30, 'm')), dot(152.0f, 9.0f, std::string(30, 'm'))};
+    hud::place_labels(tile, *font_);
+    EXPECT_FALSE(tile.marks[0].label && tile.marks[1].label);
+}
+
 TEST_F(Labels, OutsideTileOnlyCrossingLinesAreLabelled) {
     hud::Tile tile{"section", 0, 0, 300, 150};
     tile.marks = {dot(320.0f, 75.0f, "blade"),

@@ -15,6 +15,7 @@
 #include "client/render/gl/headless_context.hpp"
 #include "client/render/gl/render_target.hpp"
 #include "client/render/image.hpp"
+#include "client/text/catalogue.hpp"
 #include "panel_scene.hpp"
 #include "tests/support/drawn_text.hpp"
 #include "tests/support/golden.hpp"
@@ -360,6 +361,39 @@ TEST_P(PanelPage, TextIsCompleteLegibleAndApart) {
             EXPECT_TRUE(!line.clip.contains(line.box) || test::contrast(line, picture_) >= 3.0) << line.text;
         }
     }
+}
+
+TEST_P(PanelPage, TextFitsInEveryLanguage) {
+    live_a_minute();
+    one_.say();
+    one_.model.page = GetParam();
+    // As drawn_lines() has it: any letter beyond ASCII is a tilde.
+    const auto plain = [](std::string_view words) {
+        std::string out;
+        for (const char c : words) {
+            const auto byte = static_cast<unsigned char>(c);
+            out += byte < 0x80 ? std::string(1, c) : (byte & 0xc0u) == 0xc0u ? "~" : "";
+        }
+        return out;
+    };
+    for (const text::Language& language : text::languages()) {
+        text::set_language(language.code);
+        for (const auto& [width, height] : {std::pair{960, 540}, std::pair{1280, 720}}) {
+            draw_settled(width, height);
+            const std::vector<test::DrawnLine> drawn = lines();
+            EXPECT_EQ(test::overlapping(drawn), "") << language.code << ", " << width;
+            for (const test::DrawnLine& line : drawn) {
+                EXPECT_LE(line.box.max().x(), line.clip.max().x() + 1.0f)
+                    << language.code << ", " << width << ": " << line.text;
+            }
+            for (const panel::Page page : panel::pages) {  // tabs are not cut off
+                const std::string title = plain(text::translate(panel::title(page)));
+                EXPECT_NE(test::sentence(drawn).find(title), std::string::npos)
+                    << language.code << ", " << width << ": " << title;
+            }
+        }
+    }
+    text::set_language("en");
 }
 
 INSTANTIATE_TEST_SUITE_P(Pages, PanelPage, ::testing::ValuesIn(panel::pages),

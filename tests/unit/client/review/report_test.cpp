@@ -9,6 +9,7 @@
 
 #include "client/review/export.hpp"
 #include "client/review/report.hpp"
+#include "client/text/catalogue.hpp"
 #include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
 #include "tests/unit/common/session/sample.hpp"
@@ -170,6 +171,31 @@ TEST_F(Report, PageEmbedsSessionsAndIsNotOverwritten) {
     EXPECT_EQ(data["fields"].size(), metric_fields.size());
     EXPECT_THROW(write_report({path}, folder / "out", score, never), ExportError);
     EXPECT_TRUE(write_report({path}, folder / "stopped", score, [] { return true; }).empty());
+}
+
+TEST_F(Report, PageSpeaksSelectedLanguage) {
+    if (report_page().empty()) {
+        GTEST_SKIP() << "built without the page, as npm was missing";
+    }
+    record(100, [](std::uint64_t, session::StepRecord&) {});
+    text::set_language("de");
+    const auto page = write_report({path}, folder / "de", std::nullopt, [] { return false; });
+    text::set_language("en");
+    std::stringstream text;
+    text << std::ifstream(page).rdbuf();
+    const auto script = [&](const std::string& id) {
+        const std::string begins = "<script type=\"application/json\" id=\"" + id + "\">";
+        const std::size_t from = text.str().find(begins) + begins.size();
+        return nlohmann::ordered_json::parse(
+            text.str().substr(from, text.str().find("</script>", from) - from));
+    };
+    EXPECT_NE(text.str().find("<html lang=\"de\">"), std::string::npos);
+    EXPECT_NE(text.str().find("<title>NeoETI-Bericht</title>"), std::string::npos);
+    EXPECT_EQ(script("texts")["To practise"], "Zu üben");
+    const auto data = script("sessions");
+    EXPECT_EQ(data["fields"][0]["label"], "Kraft am Oberkieferkamm, Maximum");
+    EXPECT_EQ(data["fields"][0]["key"], "gum_force_n.max") << "keys are for programs";
+    EXPECT_EQ(data["sessions"][0]["events"][0]["text"], hostile) << "what people wrote stays";
 }
 
 }  // namespace
