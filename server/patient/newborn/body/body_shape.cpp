@@ -18,12 +18,12 @@ constexpr float fine_spacing = 1.0f, body_spacing = 2.0f, far_spacing = 6.0f;
 constexpr float band = 3.5f, far_band = 10.0f;
 // The lower end of the head's grid lies below the chin. Hands lie farther out than all else of the upper
 // half, feet lowest.
-constexpr float head_from = -48.0f, head_half_width = 62.0f;
+constexpr float head_from = -48.0f, head_half_width = 70.0f;
 constexpr float hand_length = 75.0f, foot_length = 75.0f;
 
-// Drawn edges relative to those of the data.
+// Drawn edges relative to those of the data. Along all three axes at once the growth is a quarter.
 constexpr float detail_share = 0.54f, coarsest_detail = 6.0f, finest_detail = 0.55f;
-constexpr float detail_spacing = 4.0f, detail_growth = 0.25f;
+constexpr float detail_spacing = 4.0f, detail_growth = 0.14f;
 
 std::array<int, 3> nodes_over(const Vec3f& low, const Vec3f& high, float spacing) {
     std::array<int, 3> size{};

@@ -30,6 +30,9 @@ class BodyShape {
     /// fingers and toes. Changes by at most a quarter of the distance.
     [[nodiscard]] float detail(const Vec3f& point) const;
 
+    /// The data's surface [mm], closed and oriented outwards.
+    [[nodiscard]] const TriangleMesh& surface() const { return mesh_; }
+
     /// Corners [mm] of the bounding box.
     [[nodiscard]] const std::array<Vec3f, 2>& bounds() const { return bounds_; }
 

@@ -2,9 +2,11 @@
 // Copyright the NeoETI authors
 #include "server/patient/newborn/visible/visible_head.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/patient/newborn/body/body_shape.hpp"
+#include "server/patient/newborn/bones.hpp"
 #include "server/patient/newborn/head.hpp"
 #include "server/patient/newborn/jaw.hpp"
 #include "server/patient/newborn/shape.hpp"
@@ -136,8 +138,14 @@ float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_ja
     const float to_nose = round_cone(point, {0, 53, 22}, {0, 59, 11}, 3.0f, 4.0f);
     const float within =
         cover + 8.0f * smoothstep(-19.0f, -5.0f, point.z()) * smoothstep(0.5f, 4.0f, to_nose);
-    return smooth_union(body.distance(to_standard_cranium(closed, cranium_size)),
-                        skin_field(point, in_jaw, cranium_size) + within, 4.0f);
+    const float skin = smooth_union(body.distance(to_standard_cranium(closed, cranium_size)),
+                                    skin_field(point, in_jaw, cranium_size) + within, 4.0f);
+    constexpr float over_bone = 1.2f, farthest = 5.0f;
+    if (skin < -over_bone || skin > farthest) {
+        return skin;
+    }
+    return smooth_union(skin, std::min(skull_field(point, cranium_size), mandible_field(in_jaw)) - over_bone,
+                        2.0f);
 }
 
 float visible_nappy(float skin, const Vec3f& p) {
