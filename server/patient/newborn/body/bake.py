@@ -53,6 +53,7 @@ LIP_RING = 38  # vertices of the closed loop of edges through both
 STOMION = np.array([0.0, 53.0, -9.8])
 PITCH_DEG, SIZE = 2.5, 1.04
 EAR_MM = 0.5  # added on either side
+FACE_CONSTANCY = 0.8  # share of the difference between term and 28 weeks that faces are spared
 
 
 def face_bones(base):
@@ -203,6 +204,9 @@ def bake(archive):
     (term, eyes), (preterm, preterm_eyes) = (
         to_model(base, n, supine(base, shape_of(base, n)), ring) for n in (TERM, PRETERM)
     )
+    # The generator's bones and lips keep a term newborn's proportions: faces change less with age than limbs.
+    face = np.append(base.share(face_bones(base))[:BODY], 1.0)[:, None]
+    preterm = preterm + FACE_CONSTANCY * face * (term - preterm)
     term, preterm = (thicker_ears(base, points, triangles) for points in (term, preterm))
     used, triangles = np.unique(triangles, return_inverse=True)
     return term[used], preterm[used], triangles.reshape(-1, 3), list(zip(eyes, preterm_eyes))

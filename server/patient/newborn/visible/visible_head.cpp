@@ -155,8 +155,8 @@ float visible_nappy(float skin, const Vec3f& p) {
     const float groin = (q - Vec3f(46.0f, 0.0f, -222.0f)).dot(Vec3f(0.80f, 0.25f, -0.2f).normalized()) - 6.0f;
     const float pleats = 0.5f * std::sin(0.5f * p.x() + 0.2f * p.z()) + 0.3f * std::sin(0.45f * p.y());
     const float outside = skin - 3.0f - pleats - 0.9f * crease(waist + 2.0f, 2.0f);
-    return std::max(smooth_intersection(outside, smooth_intersection(waist, groin, 3.0f), 2.0f),
-                    -(skin + 3.0f));
+    const float region = smooth_intersection(smooth_intersection(waist, groin, 6.0f), q.x() - 74.0f, 4.0f);
+    return smooth_intersection(smooth_intersection(outside, region, 2.0f), -(skin + 3.0f), 1.0f);
 }
 
 bool on_lip(const Vec3f& half, float mouth_width) {
