@@ -46,7 +46,7 @@ bare_make() {
     # The system is temporary, so nothing waits for the disk.
     echo force-unsafe-io >"$system/etc/dpkg/dpkg.cfg.d/unsafe-io"
     cp /etc/resolv.conf "$system/etc/"
-    # Behind a proxy that signs for other hosts, npm must know the proxy's certificate.
+    # Behind a proxy that signs for other hosts, npm and pip must know the proxy's certificate.
     [ ! -f "${NODE_EXTRA_CA_CERTS:-}" ] || cp "$NODE_EXTRA_CA_CERTS" "$system/etc/certificates-of-the-host.pem"
 }
 
@@ -64,7 +64,7 @@ bare_run() {
     # shellcheck disable=SC2154 # a caller's
     chroot "$system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 TERM=dumb \
         DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
-        ${certificates:+NODE_EXTRA_CA_CERTS="$certificates"} "$@"
+        ${certificates:+NODE_EXTRA_CA_CERTS="$certificates" PIP_CERT="$certificates"} "$@"
 }
 
 # bare_as USER COMMAND...: as that user, in the home folder.

@@ -13,6 +13,8 @@ namespace eti::render {
 namespace {
 
 const Vec3f skin_colour(0.91f, 0.71f, 0.63f);
+// Skin of 28 weeks is thin: blood shows through.
+const Vec3f preterm_skin_colour(0.81f, 0.50f, 0.45f);
 const Vec3f cord_colour(0.97f, 0.93f, 0.89f);
 const Vec3f lip_colour(0.82f, 0.50f, 0.47f);
 constexpr float skin_wetness = 0.10f;
@@ -93,17 +95,23 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, 
     }
 }
 
-// Share of the vermilion at a point of the face: 1 within 2 mm of a lip's edge, which extends 16 mm, half
-// the mouth's width, to either side and recedes by 8 mm there.
-float vermilion(const Vec3f& p, const Landmarks& rest) {
-    constexpr float half_width = 0.016f, setback = 0.008f;
+// Size relative to a term newborn of 3.5 kg, whose glottis is 50 mm from the gum.
+float patient_size(const Landmarks& rest) {
+    return (at(rest, Landmark::glottis) - at(rest, Landmark::upper_gum)).norm() / 0.050f;
+}
+
+// Share of the vermilion at a point of the face: at term 1 within 2 mm of a lip's edge, which extends 16 mm,
+// half the mouth's width, to either side and recedes by 8 mm there.
+float vermilion(const Vec3f& p, const Landmarks& rest, float size) {
+    const float half_width = 0.016f * size, setback = 0.008f * size;
     const float side = p.x() / half_width;
     float nearest = 1.0f;
     for (const Landmark lip : {Landmark::upper_lip, Landmark::lower_lip}) {
         const Vec3f edge = at(rest, lip) + Vec3f(p.x(), setback * side * side, 0.0f);
         nearest = std::min(nearest, (p - edge).norm());
     }
-    return (1.0f - smoothstep(2.0e-3f, 4.5e-3f, nearest)) * (1.0f - smoothstep(0.8f, 1.2f, std::abs(side)));
+    return (1.0f - smoothstep(2.0e-3f * size, 4.5e-3f * size, nearest)) *
+           (1.0f - smoothstep(0.8f, 1.2f, std::abs(side)));
 }
 
 }  // namespace
@@ -183,6 +191,8 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
     }
+    const float size = patient_size(rest);
+    const Vec3f own_skin = skin_colour + smoothstep(0.9f, 0.68f, size) * (preterm_skin_colour - skin_colour);
     std::vector<VertexColour> result(count);
     std::vector<VertexRelief> relief(count);
     for (std::size_t v = 0; v < count; ++v) {
@@ -193,8 +203,8 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
         float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
         if (softness[v] > 0.0f) {
             const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
-            const float lip = skin * vermilion(p, rest);
-            c += skin * (skin_colour - c);
+            const float lip = skin * vermilion(p, rest, size);
+            c += skin * (own_skin - c);
             c += 0.75f * lip * (lip_colour - c);
             w += skin * (skin_wetness - w) + 0.3f * lip;
             mucosa -= skin;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "common/model/landmark.hpp"
@@ -54,6 +55,10 @@ class Anatomy {
     /// Outlines for drawing and for occlusion of the glottis; not used by physics. By default those of
     /// fields().
     [[nodiscard]] virtual VisibleFields visible_fields(const Vec3f& point) const;
+    /// Longest edge [m] with which drawn skin should be resolved at a point.
+    [[nodiscard]] virtual float visible_detail(const Vec3f& /*point*/) const {
+        return std::numeric_limits<float>::max();
+    }
     [[nodiscard]] virtual Skeleton skeleton() const = 0;
 
     /// Tissue of the body's inner lining at a point, for contact with tools.

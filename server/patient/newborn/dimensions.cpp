@@ -75,10 +75,11 @@ std::vector<Eigen::Vector2f> cut(const TriangleMesh& mesh, float height) {
 
 /// Greatest circumference [m] of horizontal sections of the head above the ears.
 double head_circumference(const Patient& patient, float size) {
+    constexpr float above_ears = 46e-3f;  // from the gum
     const auto body = std::ranges::find(patient.surfaces, "body", &Surface::name);
     double greatest = 0.0;
     if (body != patient.surfaces.end()) {
-        for (float height = 40e-3f * size; height < 90e-3f; height += 2e-3f) {
+        for (float height = above_ears * size; height < 90e-3f; height += 2e-3f) {
             const auto section = cut(body->mesh, height);
             if (section.size() > 8) {
                 greatest = std::max(greatest, hull_perimeter(section));

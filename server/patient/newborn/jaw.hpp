@@ -2,8 +2,10 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
+#include "common/math/smoothstep.hpp"
 #include "common/math/transform.hpp"
 #include "common/math/units.hpp"
 
@@ -33,6 +35,20 @@ constexpr float jaw_slide_per_deg = 0.12f;
     const float a = p.y() - jaw_joint.y();
     const float z = p.z() - jaw_joint.z();
     return {p.x(), jaw_joint.y() + a * c + z * s, jaw_joint.z() - a * s + z * c};
+}
+
+/// Fraction of the jaw's motion that skin follows: a sharp transition at the mouth opening, a wide one in the
+/// cheek, which stretches. `rest_jaw_deg`: opening of the modelled jaw.
+[[nodiscard]] inline float jaw_share(const Vec3f& p, float rest_jaw_deg) {
+    // Height below the surface half-way between the jaws, as an angle about the jaw joint.
+    const Vec3f half = turn_about_jaw(p, rest_jaw_deg * 0.5f);
+    const float radius = std::hypot(p.y() - jaw_joint.y(), p.z() - jaw_joint.z());
+    const float below = (-6.3f - half.z()) / std::max(radius, 1.0f);
+    const float turned = std::atan2(jaw_joint.z() - p.z(), p.y() - jaw_joint.y());
+    const float parted = smoothstep(28, 34, p.y()) * (1.0f - smoothstep(11, 15, std::fabs(p.x())));
+    const float half_width = (14.0f + (0.5f - 14.0f) * parted) * degree;
+    return smoothstep(-half_width, half_width, below) *
+           (1.0f - smoothstep(56 * degree, 82 * degree, turned)) * smoothstep(-4, 8, p.y());
 }
 
 }  // namespace eti::patient

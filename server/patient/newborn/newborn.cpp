@@ -51,7 +51,8 @@ Newborn::Newborn(const NewbornShape& shape)
       scale_(1e-3f * std::cbrt(shape.weight / 3.5f)),
       rest_jaw_deg_(parted_lips_deg + shape.jaw_opening / degree),
       cranium_(cranium_of(shape)),
-      larynx_shift_(0.0f, 1e3f * shape.larynx_anterior, 1e3f * shape.larynx_superior) {}
+      larynx_shift_(0.0f, 1e3f * shape.larynx_anterior, 1e3f * shape.larynx_superior),
+      body_(BodyShape::is_available() ? std::make_shared<const BodyShape>(shape.gestational_age) : nullptr) {}
 
 Vec3f Newborn::own_place(const Vec3f& model) const {
     return model + laryngeal_share(model) * larynx_shift_;
@@ -171,16 +172,7 @@ BoneWeights Newborn::bone_weights(const Vec3f& point, Tissue tissue) const {
             jaw = 0.95f * smoothstep(6, 34, p.y());
             break;
         default: {
-            // Height below the surface half-way between the jaws, as an angle about the jaw joint: a sharp
-            // transition at the mouth opening, a wide one in the cheek, which stretches.
-            const Vec3f half = turn_about_jaw(p, rest_jaw_deg_ * 0.5f);
-            const float radius = std::hypot(p.y() - jaw_joint.y(), p.z() - jaw_joint.z());
-            const float below = (-6.3f - half.z()) / std::max(radius, 1.0f);
-            const float turned = std::atan2(jaw_joint.z() - p.z(), p.y() - jaw_joint.y());
-            const float parted = smoothstep(28, 34, p.y()) * (1.0f - smoothstep(11, 15, std::fabs(p.x())));
-            const float half_width = (14.0f + (0.5f - 14.0f) * parted) * degree;
-            jaw = smoothstep(-half_width, half_width, below) *
-                  (1.0f - smoothstep(56 * degree, 82 * degree, turned)) * smoothstep(-4, 8, p.y());
+            jaw = jaw_share(p, rest_jaw_deg_);
             // The floor of the mouth moves with the tongue attached to it.
             const float floor =
                 (1.0f - smoothstep(1.0f, 8.0f, tongue_field(p))) * (1.0f - smoothstep(-14, -9, p.z()));

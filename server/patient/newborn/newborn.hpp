@@ -2,8 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <memory>
+
 #include "common/model/newborn_shape.hpp"
 #include "server/patient/newborn/anatomy.hpp"
+#include "server/patient/newborn/body/body_shape.hpp"
 
 namespace eti::patient {
 
@@ -15,6 +18,7 @@ class Newborn final : public Anatomy {
 
     [[nodiscard]] Fields fields(const Vec3f& point) const override;
     [[nodiscard]] VisibleFields visible_fields(const Vec3f& point) const override;
+    [[nodiscard]] float visible_detail(const Vec3f& point) const override;
     [[nodiscard]] Tissue visible_tissue(const Vec3f& point) const override;
     [[nodiscard]] float epiglottis_coupling(const Vec3f& point) const override;
     [[nodiscard]] Skeleton skeleton() const override;
@@ -43,11 +47,15 @@ class Newborn final : public Anatomy {
     [[nodiscard]] float tongue_field(const Vec3f& model) const;
     [[nodiscard]] Vec3f tongue_dorsum() const;
 
+    /// Outline of the drawn skin [mm] at a point of the standard newborn. `in_jaw`: that point, closed jaw.
+    [[nodiscard]] float visible_outline(const Vec3f& p, const Vec3f& in_jaw) const;
+
     NewbornShape shape_;
     float scale_;
-    float rest_jaw_deg_;  // opening of the modelled jaw
-    float cranium_;       // size relative to the face; 1 at term
-    Vec3f larynx_shift_;  // [mm of a 3.5 kg newborn], x left, y anterior, z superior
+    float rest_jaw_deg_;                     // opening of the modelled jaw
+    float cranium_;                          // size relative to the face; 1 at term
+    Vec3f larynx_shift_;                     // [mm of a 3.5 kg newborn], x left, y anterior, z superior
+    std::shared_ptr<const BodyShape> body_;  // none if the program was built without
 };
 
 }  // namespace eti::patient

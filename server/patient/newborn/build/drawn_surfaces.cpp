@@ -133,7 +133,8 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
         Drawn{"mandible", Tissue::mandible, 4000, nullptr, &mandible, {}},
         Drawn{"spine", Tissue::spine, 8000, nullptr, &spine, {}},
         Drawn{"hyoid", Tissue::hyoid, 1500, nullptr, &hyoid, {}},
-        Drawn{"cloth", Tissue::cloth, 18000, &VisibleFields::cloth, nullptr, all, of_cloth}};
+        Drawn{"cloth", Tissue::cloth, detail.whole_body() ? 8000u : 18000u, &VisibleFields::cloth, nullptr,
+              all, of_cloth}};
     patient.surfaces.resize(drawn.size());
     parallel::for_each(drawn.size(), 1, [&](std::size_t i) {
         const Drawn& d = drawn[i];

@@ -18,9 +18,11 @@ constexpr float farthest = 4.0f;
 }  // namespace
 
 SizingField::SizingField(const Anatomy& anatomy, float spacing)
-    : coarsest_(farthest * spacing * anatomy.scale() / millimetre),
+    : anatomy_(anatomy),
+      coarsest_(farthest * spacing * anatomy.scale() / millimetre),
       size_(anatomy.scale() / millimetre),
-      spacing_(spacing / 1e-3f) {
+      spacing_(spacing / 1e-3f),
+      whole_body_(anatomy.visible_detail(Vec3f::Zero()) < 1.0f) {
     const float size = size_;
     const auto points = anatomy.landmarks();
     const auto add = [&](const Vec3f& from, const Vec3f& to, float reach, float edge) {
@@ -53,10 +55,12 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
         const Vec3f off = Vec3f(x, y, z) - anatomy.to_model(gum);
         return beside(gum, off.x(), -off.y(), off.z());
     };
-    add(place(0.0f, 54.0f, 12.0f), place(0.0f, 57.0f, 5.0f), 6e-3f, 0.6f);
-    for (const float side : {-1.0f, 1.0f}) {
-        add(place(11.0f * side, 43.0f, 20.5f), place(24.0f * side, 40.0f, 20.5f), 3e-3f, 0.45f);
-        add(place(39.0f * side, -18.0f, 0.0f), place(39.0f * side, -16.0f, 18.0f), 9e-3f, 0.9f);
+    if (!whole_body_) {
+        add(place(0.0f, 54.0f, 12.0f), place(0.0f, 57.0f, 5.0f), 6e-3f, 0.6f);
+        for (const float side : {-1.0f, 1.0f}) {
+            add(place(11.0f * side, 43.0f, 20.5f), place(24.0f * side, 40.0f, 20.5f), 3e-3f, 0.45f);
+            add(place(39.0f * side, -18.0f, 0.0f), place(39.0f * side, -16.0f, 18.0f), 9e-3f, 0.9f);
+        }
     }
     add(upper_lip, place(0.0f, 0.0f, 0.0f), 40e-3f, 2.0f);
     hem_ = place(0.0f, -18.0f, -84.0f);
@@ -70,7 +74,7 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
 }
 
 float SizingField::edge(const Vec3f& point) const {
-    float finest = coarsest_;
+    float finest = std::min(coarsest_, spacing_ * anatomy_.visible_detail(point));
     for (const Part& part : parts_) {
         const float off = std::max(offset_from_segment(part.from, part.to, point).norm() - part.reach, 0.0f);
         finest = std::min(finest, part.edge + growth * off);
@@ -80,7 +84,11 @@ float SizingField::edge(const Vec3f& point) const {
 
 float SizingField::cloth_edge(const Vec3f& point) const {
     constexpr float hem_breadth = 9e-3f, end = 40e-3f, shortest_hem = 1.4e-3f, shortest_end = 1.9e-3f;
+    constexpr float of_nappy = 2.5e-3f;
     const float below = below_hem(point), unit = spacing_ * size_;
+    if (whole_body_) {
+        return of_nappy * unit;
+    }
     const float to_hem = std::max(std::fabs(below) - hem_breadth * size_, 0.0f);
     const float to_end = std::max(end * size_ - below, 0.0f);
     return std::min(

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
+#include "server/patient/newborn/head.hpp"
 #include "server/patient/newborn/jaw.hpp"
 #include "server/patient/newborn/newborn.hpp"
 #include "server/patient/newborn/shape.hpp"
@@ -13,8 +14,8 @@ VisibleFields Newborn::visible_fields(const Vec3f& point) const {
     const Vec3f p = usual_place(to_model(point));
     const Vec3f in_jaw = to_jaw(p);
     VisibleFields seen;
-    seen.cloth = visible_cloth(p) * scale_;
-    const float skin = visible_skin(p, in_jaw, cranium_);
+    const float skin = visible_outline(p, in_jaw);
+    seen.cloth = (body_ ? visible_nappy(skin, p) : visible_cloth(p)) * scale_;
     if (skin > 2.0f) {
         seen.body = skin * scale_;
         return seen;
@@ -33,6 +34,16 @@ VisibleFields Newborn::visible_fields(const Vec3f& point) const {
     return seen;
 }
 
+float Newborn::visible_outline(const Vec3f& p, const Vec3f& in_jaw) const {
+    return body_ ? visible_skin(*body_, p, in_jaw, cranium_, rest_jaw_deg_)
+                 : visible_skin(p, in_jaw, cranium_);
+}
+
+float Newborn::visible_detail(const Vec3f& point) const {
+    return body_ ? body_->detail(to_standard_cranium(to_model(point), cranium_)) * scale_
+                 : Anatomy::visible_detail(point);
+}
+
 Tissue Newborn::visible_tissue(const Vec3f& point) const {
     const Vec3f p = usual_place(to_model(point));
     constexpr float near = 0.5f;
@@ -46,7 +57,7 @@ Tissue Newborn::visible_tissue(const Vec3f& point) const {
     if (p.z() < -24.0f && visible_laryngeal_solid(p) < near) {
         return Tissue::larynx;
     }
-    return visible_skin(p, to_jaw(p), cranium_) > -1.0f &&
+    return visible_outline(p, to_jaw(p)) > -1.0f &&
                    on_lip(turn_about_jaw(p, 0.5f * rest_jaw_deg_), shape_.mouth_scale)
                ? Tissue::lip
                : Tissue::soft;
@@ -59,9 +70,15 @@ float Newborn::epiglottis_coupling(const Vec3f& point) const {
 
 std::array<Vec3f, 2> Newborn::visible_bounds() const {
     const auto [low, high] = bounds();
-    const Vec3f a = from_model({-68, 0, trunk_end});
-    const Vec3f b = from_model({68, 0, trunk_end});
-    return {low.cwiseMin(a), high.cwiseMax(b)};
+    std::array<Vec3f, 2> box = {Vec3f(-68, 0, trunk_end), Vec3f(68, 0, trunk_end)};
+    if (body_) {
+        // The cranium's growth is within bounds().
+        const Vec3f margin = Vec3f::Constant(6.0f);  // clothes
+        box = {body_->bounds()[0] - margin, body_->bounds()[1] + margin};
+    }
+    const Vec3f a = from_model(box[0]);
+    const Vec3f b = from_model(box[1]);
+    return {low.cwiseMin(a.cwiseMin(b)), high.cwiseMax(a.cwiseMax(b))};
 }
 
 }  // namespace eti::patient

@@ -2,16 +2,22 @@
 // Copyright the NeoETI authors
 #include "server/patient/newborn/visible/visible_head.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "server/patient/newborn/body/body_shape.hpp"
+#include "server/patient/newborn/bones.hpp"
 #include "server/patient/newborn/head.hpp"
+#include "server/patient/newborn/jaw.hpp"
 #include "server/patient/newborn/shape.hpp"
 
 namespace eti::patient {
 
 namespace {
 
-constexpr float cloth_from = -86.0f;  // upper edge, at the chest
+constexpr float cloth_from = -86.0f;   // upper edge, at the chest
+constexpr float cover = 0.2f;          // of skin over the physical outline
+constexpr float nappy_from = -178.0f;  // upper edge, below the navel
 
 /// Profile of a crease of this half width: 1 in the middle, 0 beside it.
 float crease(float off, float half_width) {
@@ -121,6 +127,36 @@ float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) 
     chin += smoothstep(44.0f, 48.0f, in_jaw.y()) * 0.8f * crease(in_jaw.z() + 15.5f, 2.0f) * mouth;
     head = smooth_union(smooth_union(head, ear(q), 1.5f), chin, 7);
     return smooth_intersection(smooth_union(head, trunk(p, q), 12), trunk_end + 5.0f - p.z(), 6.0f);
+}
+
+float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_jaw, float cranium_size,
+                   float rest_jaw_deg) {
+    const float head = smoothstep(-62.0f, -44.0f, point.z());
+    const Vec3f closed = point + head * jaw_share(point, rest_jaw_deg) * (in_jaw - point);
+    // The physical outline contains the shell, which the skin must cover beneath the chin and at the nose;
+    // the rest of the face has its own shape.
+    const float to_nose = round_cone(point, {0, 53, 22}, {0, 59, 11}, 3.0f, 4.0f);
+    const float within =
+        cover + 8.0f * smoothstep(-19.0f, -5.0f, point.z()) * smoothstep(0.5f, 4.0f, to_nose);
+    const float skin = smooth_union(body.distance(to_standard_cranium(closed, cranium_size)),
+                                    skin_field(point, in_jaw, cranium_size) + within, 4.0f);
+    constexpr float over_bone = 1.2f, farthest = 5.0f;
+    if (skin < -over_bone || skin > farthest) {
+        return skin;
+    }
+    return smooth_union(skin, std::min(skull_field(point, cranium_size), mandible_field(in_jaw)) - over_bone,
+                        2.0f);
+}
+
+float visible_nappy(float skin, const Vec3f& p) {
+    // From the navel to the groins; it lies 3 mm off the skin, with soft folds along the thighs.
+    const float waist = p.z() - nappy_from - 4.0f * smoothstep(-20.0f, 60.0f, p.y());
+    const Vec3f q = mirrored(p);
+    const float groin = (q - Vec3f(46.0f, 0.0f, -222.0f)).dot(Vec3f(0.80f, 0.25f, -0.2f).normalized()) - 6.0f;
+    const float pleats = 0.5f * std::sin(0.5f * p.x() + 0.2f * p.z()) + 0.3f * std::sin(0.45f * p.y());
+    const float outside = skin - 3.0f - pleats - 0.9f * crease(waist + 2.0f, 2.0f);
+    const float region = smooth_intersection(smooth_intersection(waist, groin, 6.0f), q.x() - 74.0f, 4.0f);
+    return smooth_intersection(smooth_intersection(outside, region, 2.0f), -(skin + 3.0f), 1.0f);
 }
 
 bool on_lip(const Vec3f& half, float mouth_width) {

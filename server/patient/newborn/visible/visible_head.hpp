@@ -8,11 +8,20 @@
 // of the 3.5 kg term newborn.
 namespace eti::patient {
 
+class BodyShape;
+
 /// Outline of head, neck and trunk. `in_jaw`: the point in the coordinates of the closed jaw.
 [[nodiscard]] float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
 
+/// The same of a whole body.
+[[nodiscard]] float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_jaw,
+                                 float cranium_size, float rest_jaw_deg);
+
 /// The cloth around the trunk.
 [[nodiscard]] float visible_cloth(const Vec3f& p);
+
+/// The nappy of a whole body. `skin`: visible_skin() at the point.
+[[nodiscard]] float visible_nappy(float skin, const Vec3f& p);
 
 /// Whether a point of the face lies on the lips' vermilion. `half`: the point half-way between the
 /// coordinates of upper and lower jaw.
