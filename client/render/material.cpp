@@ -22,6 +22,9 @@ constexpr float skin_wetness = 0.10f;
 constexpr float lining_sky = 0.10f;
 constexpr float skin_sky = 0.30f;
 
+// Rounds of diffusion across a border of tissues.
+constexpr int border_rounds = 4;
+
 float wetness(Tissue tissue) {
     switch (tissue) {
         case Tissue::skull:
@@ -74,8 +77,10 @@ float noise(const Vec3f& p) {
 }
 
 // Replaces each value by the mean over the vertex and its neighbours, `rounds` times.
-void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, int rounds) {
-    std::vector<float> sum(value.size()), count(value.size());
+template <typename Value>
+void diffuse(const std::vector<Triangle>& triangles, std::vector<Value>& value, int rounds) {
+    std::vector<Value> sum(value.size());
+    std::vector<float> count(value.size());
     for (int round = 0; round < rounds; ++round) {
         sum = value;
         std::fill(count.begin(), count.end(), 1.0f);
@@ -163,7 +168,7 @@ Vec3f cut_colour(Tissue tissue) {
 SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
-    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f), cord(count, 0.0f);
     std::vector<Tissue> label(count, Tissue::soft);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
@@ -171,6 +176,7 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
             colour[v] += tissue_colour(tissue);
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
+            cord[v] += tissue == Tissue::vocal_cord ? 1.0f : 0.0f;
             corners[v] += 1.0f;
             // At a border the vertex belongs to the specific tissue.
             label[v] = label[v] == Tissue::soft ? tissue : label[v];
@@ -183,14 +189,23 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
     }
+    for (std::size_t v = 0; v < count; ++v) {
+        const float shares = std::max(corners[v], 1.0f);
+        colour[v] /= shares;
+        cord[v] /= shares;
+    }
+    // Half a millimetre wide at the cords: a border along edges is a saw before a lens.
+    diffuse(surface.mesh.triangles, colour, border_rounds);
+    diffuse(surface.mesh.triangles, cord, border_rounds);
     std::vector<VertexColour> result(count);
     std::vector<VertexRelief> relief(count);
     for (std::size_t v = 0; v < count; ++v) {
         const float shares = std::max(corners[v], 1.0f);
         const Vec3f& p = surface.mesh.vertices[v];
-        Vec3f c = colour[v] / shares;
+        Vec3f c = colour[v];
         float w = wet[v] / shares;
-        float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
+        // Cords have no vessels of a size that a lens shows.
+        float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f - cord[v];
         if (softness[v] > 0.0f) {
             const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
             const float lip = skin * vermilion(p, rest);

@@ -57,7 +57,10 @@ TriangleMesh visible_mesh(const Anatomy& anatomy, const EdgeLength& edge, float 
             importance[i] *= 1e-3f;
         }
     });
-    return simplify_without_self_intersection(mesh, {.triangles = budget, .importance = importance});
+    mesh = simplify_without_self_intersection(mesh, {.triangles = budget, .importance = importance});
+    // Slivers left by collapsed edges shade as cracks before a lens.
+    smooth_without_self_intersection(mesh, drawn_smoothing_rounds);
+    return mesh;
 }
 
 /// Bones are visible in sections only, from a distance.
