@@ -38,9 +38,10 @@ class Tile {
     std::vector<float> value_;
 };
 
-/// Adds noise of a wavelength [m] that fits into the period, by gradients on a lattice (Perlin 2002).
-void add_noise(Tile& tile, float wavelength, float amplitude, Random& random) {
-    const int cells = std::max(static_cast<int>(std::lround(MucosaPattern::period / wavelength)), 2);
+/// Adds noise of gradients on a lattice (Perlin 2002) of about this spacing [m]; most of it has wavelengths
+/// of one to two spacings.
+void add_noise(Tile& tile, float spacing, float amplitude, Random& random) {
+    const int cells = std::max(static_cast<int>(std::lround(MucosaPattern::period / spacing)), 2);
     std::vector<std::array<float, 2>> gradients(static_cast<std::size_t>(cells * cells));
     for (auto& gradient : gradients) {
         const float angle = 2.0f * std::numbers::pi_v<float> * random.uniform();
@@ -154,11 +155,11 @@ MucosaPattern mucosa_pattern(int side) {
     grow_vessels(blood, random);
     // Relief between 0.1 and 0.7 mm, about equally steep at each scale: amplitudes in shares of the
     // wavelength.
-    for (const float wavelength : {0.7e-3f, 0.4e-3f, 0.23e-3f, 0.13e-3f}) {
-        add_noise(height, wavelength, 0.04f * wavelength, random);
+    for (const float spacing : {0.45e-3f, 0.26e-3f, 0.15e-3f, 0.085e-3f}) {
+        add_noise(height, spacing, 0.032f * spacing, random);
     }
-    for (const float wavelength : {1.5e-3f, 0.8e-3f, 0.35e-3f}) {
-        add_noise(mottling, wavelength, 0.55f * std::sqrt(wavelength / 1.5e-3f), random);
+    for (const float spacing : {1.5e-3f, 0.8e-3f, 0.35e-3f}) {
+        add_noise(mottling, spacing, 0.55f * std::sqrt(spacing / 1.5e-3f), random);
     }
     const float texel = MucosaPattern::period / static_cast<float>(side);
     const auto slope = [&](float before, float after) {

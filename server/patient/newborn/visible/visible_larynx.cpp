@@ -137,7 +137,7 @@ float upper_border(const Vec3f& q) {
     struct Crest {
         float around_deg, superior;
     };
-    constexpr std::array<Crest, 9> crests = {{{0.0f, -33.2f},
+    constexpr std::array<Crest, 9> crests = {{{0.0f, -32.9f},
                                               {24.0f, -31.4f},
                                               {40.0f, -31.7f},
                                               {56.0f, -31.0f},
@@ -208,7 +208,7 @@ float visible_laryngeal_solid(const Vec3f& p) {
     const float wide = mix(4.75f, 5.6f, lower), deep = mix(4.7f, 5.6f, lower);
     const float around = (std::hypot(q.x() / wide, (q.y() - inlet_axis_y) / deep) - 1.0f) * deep;
     const float wall = smooth_intersection(around, 0.8f * (q.z() - upper_border(q)), 1.2f);
-    const float corniculate = ellipsoid(q, {1.65f, 1.7f, -31.6f}, {1.05f, 1.15f, 1.35f});
+    const float corniculate = ellipsoid(q, {1.6f, 1.7f, -31.7f}, {1.05f, 1.15f, 1.35f});
     const float cuneiform = ellipsoid(q, {3.55f, 2.7f, -31.2f}, {1.1f, 1.2f, 1.45f});
     const float box = smooth_intersection(ellipsoid(p, {0, 5.3f, -39}, {6.6f, 6.4f, 8.5f}), p.z() + 32.6f, 2);
     const float larynx = smooth_union(smooth_union(wall, std::min(corniculate, cuneiform), 0.9f), box, 2.5f);
