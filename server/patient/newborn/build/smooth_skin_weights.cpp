@@ -131,8 +131,8 @@ class SkinWeightSmoother {
         find_plate(anatomy, patient);
     }
 
-    /// Smooths all weights about larynx and plate: clusters a millimetre apart move differently in a lift, and
-    /// a fold that a lens sees from 10 mm would wrinkle as they do.
+    /// Smooths all weights about larynx and plate: clusters a millimetre apart move differently in a lift,
+    /// and a fold that a lens sees from 10 mm would wrinkle as they do.
     void relax(const Anatomy& anatomy) {
         const auto points = anatomy.landmarks();
         const Vec3f& glottis = points[static_cast<std::size_t>(Landmark::glottis)];
