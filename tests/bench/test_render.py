@@ -16,7 +16,7 @@ GOLDEN = Path(__file__).resolve().parent / "render" / "golden"
 SHORT = {("back_faces", scenario, moment, "laryngoscope")
          for scenario in ("premature", "premature_bleeding") for moment in ("best", "tube")}
 MET = ("back_faces", "blade_in_tissue", "edge_stretch", "open_contours", "vertices_apart", "golden_apart",
-       "lumen_to_cords", "lumen_to_tongue", "fine_outline", "pogo_apart")
+       "lumen_to_cords", "lumen_to_tongue", "clipped", "fine_outline", "pogo_apart")
 
 
 class Render(unittest.TestCase):

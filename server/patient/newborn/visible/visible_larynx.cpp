@@ -100,10 +100,18 @@ float profile(float u, float triangle) {
     return mix(round, pointed, std::fabs(triangle));
 }
 
+/// Bulge of the vocal process [mm], where a cord's ligament ends at the arytenoid: above the glottis's plane,
+/// whose contour it leaves as published.
+float vocal_process(float u, float superior) {
+    const float along = (u + 0.4f) / 0.2f, above = (superior - glottis_z - 0.35f) / 0.25f;
+    return 0.2f * std::exp(-along * along - above * above) *
+           smoothstep(glottis_z, glottis_z + 0.15f, superior);
+}
+
 float glottic_lumen(const Vec3f& p) {
     const VisibleLevel level = level_at(p.z());
     const float u = (p.y() - level.anterior) / level.sagittal;
-    const float width = level.lateral * profile(u, level.triangle);
+    const float width = level.lateral * profile(u, level.triangle) - vocal_process(u, p.z());
     const float beyond = std::max(std::fabs(u) - 1.0f, 0.0f) * level.sagittal;
     const float beside = std::fabs(p.x()) - width;
     // Walls are inclined by up to 45 degrees: 0.7 times the transverse offset approximates the distance.
