@@ -53,6 +53,20 @@ float organ_sky(Tissue tissue) {
     return tissue == Tissue::tongue ? 0.50f : 0.08f;
 }
 
+// Share of the superficial vessels that a lens shows: none on a cord's epithelium, few below a tongue's
+// papillae.
+float vascularity(Tissue tissue) {
+    switch (tissue) {
+        case Tissue::vocal_cord:
+        case Tissue::cloth:
+            return 0.0f;
+        case Tissue::tongue:
+            return 0.4f;
+        default:
+            return is_bone(tissue) ? 0.0f : 1.0f;
+    }
+}
+
 float lattice(int x, int y, int z) {
     const auto mix = [](int v, std::uint64_t prime) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)) * prime;
@@ -168,7 +182,7 @@ Vec3f cut_colour(Tissue tissue) {
 SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
-    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f), cord(count, 0.0f);
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f), vessels(count, 0.0f);
     std::vector<Tissue> label(count, Tissue::soft);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
@@ -176,7 +190,7 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
             colour[v] += tissue_colour(tissue);
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
-            cord[v] += tissue == Tissue::vocal_cord ? 1.0f : 0.0f;
+            vessels[v] += vascularity(tissue);
             corners[v] += 1.0f;
             // At a border the vertex belongs to the specific tissue.
             label[v] = label[v] == Tissue::soft ? tissue : label[v];
@@ -192,11 +206,11 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
     for (std::size_t v = 0; v < count; ++v) {
         const float shares = std::max(corners[v], 1.0f);
         colour[v] /= shares;
-        cord[v] /= shares;
+        vessels[v] /= shares;
     }
     // Half a millimetre wide at the cords: a border along edges is a saw before a lens.
     diffuse(surface.mesh.triangles, colour, border_rounds);
-    diffuse(surface.mesh.triangles, cord, border_rounds);
+    diffuse(surface.mesh.triangles, vessels, border_rounds);
     std::vector<VertexColour> result(count);
     std::vector<VertexRelief> relief(count);
     for (std::size_t v = 0; v < count; ++v) {
@@ -204,8 +218,7 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
         const Vec3f& p = surface.mesh.vertices[v];
         Vec3f c = colour[v];
         float w = wet[v] / shares;
-        // Cords have no vessels of a size that a lens shows.
-        float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f - cord[v];
+        float mucosa = vessels[v];
         if (softness[v] > 0.0f) {
             const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
             const float lip = skin * vermilion(p, rest);
