@@ -24,6 +24,9 @@ constexpr float skin_wetness = 0.10f;
 constexpr float lining_sky = 0.10f;
 constexpr float skin_sky = 0.30f;
 
+// Rounds of diffusion across a border of tissues.
+constexpr int border_rounds = 4;
+
 float wetness(Tissue tissue) {
     switch (tissue) {
         case Tissue::skull:
@@ -52,6 +55,20 @@ float organ_sky(Tissue tissue) {
     return tissue == Tissue::tongue ? 0.50f : 0.08f;
 }
 
+// Share of the superficial vessels that a lens shows: none on a cord's epithelium, few below a tongue's
+// papillae.
+float vascularity(Tissue tissue) {
+    switch (tissue) {
+        case Tissue::vocal_cord:
+        case Tissue::cloth:
+            return 0.0f;
+        case Tissue::tongue:
+            return 0.4f;
+        default:
+            return is_bone(tissue) ? 0.0f : 1.0f;
+    }
+}
+
 float lattice(int x, int y, int z) {
     const auto mix = [](int v, std::uint64_t prime) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)) * prime;
@@ -76,8 +93,10 @@ float noise(const Vec3f& p) {
 }
 
 // Replaces each value by the mean over the vertex and its neighbours, `rounds` times.
-void diffuse(const std::vector<Triangle>& triangles, std::vector<float>& value, int rounds) {
-    std::vector<float> sum(value.size()), count(value.size());
+template <typename Value>
+void diffuse(const std::vector<Triangle>& triangles, std::vector<Value>& value, int rounds) {
+    std::vector<Value> sum(value.size());
+    std::vector<float> count(value.size());
     for (int round = 0; round < rounds; ++round) {
         sum = value;
         std::fill(count.begin(), count.end(), 1.0f);
@@ -171,7 +190,7 @@ Vec3f cut_colour(Tissue tissue) {
 SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Landmarks& rest) {
     const std::size_t count = surface.mesh.vertices.size();
     std::vector<Vec3f> colour(count, Vec3f::Zero());
-    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f);
+    std::vector<float> wet(count, 0.0f), softness(count, 0.0f), corners(count, 0.0f), vessels(count, 0.0f);
     std::vector<Tissue> label(count, Tissue::soft);
     for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
         const Tissue tissue = surface.triangle_tissue[t];
@@ -179,6 +198,7 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
             colour[v] += tissue_colour(tissue);
             wet[v] += wetness(tissue);
             softness[v] += tissue == Tissue::soft ? 1.0f : 0.0f;
+            vessels[v] += vascularity(tissue);
             corners[v] += 1.0f;
             // At a border the vertex belongs to the specific tissue.
             label[v] = label[v] == Tissue::soft ? tissue : label[v];
@@ -191,6 +211,14 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
         sky = view::sky_visibility(surface.mesh);
         diffuse(surface.mesh.triangles, sky, 3);
     }
+    for (std::size_t v = 0; v < count; ++v) {
+        const float shares = std::max(corners[v], 1.0f);
+        colour[v] /= shares;
+        vessels[v] /= shares;
+    }
+    // Half a millimetre wide at the cords: a border along edges is a saw before a lens.
+    diffuse(surface.mesh.triangles, colour, border_rounds);
+    diffuse(surface.mesh.triangles, vessels, border_rounds);
     const float size = patient_size(rest);
     const Vec3f own_skin = skin_colour + smoothstep(0.9f, 0.68f, size) * (preterm_skin_colour - skin_colour);
     std::vector<VertexColour> result(count);
@@ -198,9 +226,9 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
     for (std::size_t v = 0; v < count; ++v) {
         const float shares = std::max(corners[v], 1.0f);
         const Vec3f& p = surface.mesh.vertices[v];
-        Vec3f c = colour[v] / shares;
+        Vec3f c = colour[v];
         float w = wet[v] / shares;
-        float mucosa = is_bone(surface.tissue) ? 0.0f : 1.0f;
+        float mucosa = vessels[v];
         if (softness[v] > 0.0f) {
             const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
             const float lip = skin * vermilion(p, rest, size);

@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "client/render/mucosa_pattern.hpp"
 #include "client/render/passes/liquid_optics.hpp"
 #include "client/render/shaders/shaders.hpp"
 #include "client/render/views/lip_retraction.hpp"
 
 namespace eti::render {
 namespace {
+
+constexpr int mucosa_unit = 2;
 
 PatientMesh::CullView cull_view_of(const DrawContext& context) {
     return {context.view_projection, context.camera.eye, context.clip_plane,
@@ -28,7 +31,16 @@ void set_colours(ShaderProgram& program, Tissue tissue) {
 PatientPass::PatientPass()
     : tissue_("tissue", shaders::mesh_vertex, shaders::tissue_fragment),
       lit_at_vertices_("tissue lit at vertices", shaders::tissue_lit_vertex, shaders::tissue_lit_fragment),
-      flat_("flat tissue", shaders::mesh_vertex, shaders::flat_fragment) {}
+      flat_("flat tissue", shaders::mesh_vertex, shaders::flat_fragment) {
+    const MucosaPattern pattern = mucosa_pattern();
+    glBindTexture(GL_TEXTURE_2D, mucosa_.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, pattern.side, pattern.side, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                 pattern.texels.data());
+    glGenerateMipmap(GL_TEXTURE_2D);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glBindTexture(GL_TEXTURE_2D, 0);
+}
 
 ShaderProgram& PatientPass::program(const DrawContext& context, const ShadowPass& shadows, bool lamplit,
                                     bool filmed, bool finer) {
@@ -106,6 +118,12 @@ ShaderProgram& PatientPass::begin(const DrawContext& context, const PatientMesh&
     if (!context.ids()) {
         context.lighting.apply(skin, context.camera.eye);
         shadows.apply(context, skin);
+        if (context.quality.fine) {
+            glActiveTexture(GL_TEXTURE0 + mucosa_unit);
+            glBindTexture(GL_TEXTURE_2D, mucosa_.name());
+            skin.set("mucosa", mucosa_unit);
+            skin.set("mucosa_scale", Eigen::Vector2f(MucosaPattern::period, MucosaPattern::steepest));
+        }
         skin.set("film_stain", optics_of(context.scene.liquid_kind()).stain);
     }
     if (finer) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/render/draw_context.hpp"
+#include "client/render/gl/gl_object.hpp"
 #include "client/render/gl/shader_variants.hpp"
 #include "client/render/mesh/patient_outlines.hpp"
 #include "client/render/mesh/scene_meshes.hpp"
@@ -37,6 +38,7 @@ class PatientPass {
     TessellationRenderer finer_;
     std::vector<std::vector<TessellatedInstance>> deferred_;  // by part
     ShaderVariants tissue_, lit_at_vertices_, flat_;
+    Texture mucosa_;  // MucosaPattern, for qualities with fine relief
 };
 
 }  // namespace eti::render

@@ -18,6 +18,8 @@ constexpr float room_depth = 4.0f * room_radius;
 constexpr float lamp_reach = 0.10f;  // [m], beyond it the lamp contributes less than a thousandth
 // Anything nearer to the lamp than this [m] is its own glass.
 constexpr float lamp_glass = 1.2e-3f;
+// The lamp's map is curved: a flat face lies beside its own depth in the map by up to this [m].
+constexpr float fine_lamp_bias = 0.15e-3f;
 // Coarse faces lie up to some tenths of a millimetre in front of the drawn ones [m].
 constexpr float coarse_room_bias = 0.43e-3f, coarse_lamp_bias = 0.3e-3f;
 
@@ -80,8 +82,8 @@ void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes) {
     const Light& room = context.lighting.lights[0];
     if (context.view.has(Pass::room_shadow)) {
         const Eigen::Matrix4f clip = directional_light_matrix(room, context.camera.target, room_radius);
-        fill(room_, clip, {nullptr, ShadowLod::coarse, coarse_room_bias, room_depth, clip, nullptr}, context,
-             meshes);
+        fill(room_, clip, {nullptr, ShadowLod::coarse, coarse_room_bias, 0.0f, room_depth, clip, nullptr},
+             context, meshes);
     }
     if (lamp_shadow_of(context)) {
         const Light& lamp = context.lighting.lights[1];
@@ -92,7 +94,8 @@ void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes) {
         half(2, 2) = 2.0f / lamp_reach;
         half(2, 3) = -1.0f;
         fill(lamp_, into,
-             {"FROM_LAMP", ShadowLod::fine, coarse_lamp_bias, lamp_reach - lamp_glass, half * into, &lamp},
+             {"FROM_LAMP", ShadowLod::fine, coarse_lamp_bias, fine_lamp_bias, lamp_reach - lamp_glass,
+              half * into, &lamp},
              context, meshes);
     }
 }
@@ -134,11 +137,12 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, con
         render::apply(context.lips, program);
     }
     PatientMesh& patient = meshes.patient();
+    constexpr float steps = 16777216.0f;  // of a 24-bit depth
     if (context.quality.coarse_shadows) {
-        constexpr float steps = 16777216.0f;  // of a 24-bit depth
         glPolygonOffset(slopes, steps * caster.bias / caster.depth);
         patient.draw(caster.coarse);
     } else {
+        glPolygonOffset(slopes, 4.0f + steps * caster.fine_bias / caster.depth);
         const LipRetraction* const lips = lips_retracted ? &context.lips : nullptr;
         const Vec3f from = context.lighting.lights[0].position;
         for (std::size_t part = 0; part < patient.parts().size(); ++part) {

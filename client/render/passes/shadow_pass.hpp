@@ -31,6 +31,7 @@ class ShadowPass {
         const char* define;  ///< for the depth program, or nullptr
         ShadowLod coarse;
         float bias;           ///< [m], for coarse surfaces
+        float fine_bias;      ///< [m], for fine surfaces, beyond rounding
         float depth;          ///< [m], depth range of the map
         Eigen::Matrix4f box;  ///< clip volume of possible shadow casters
         const Light* lamp;    ///< lamp whose reach limits the casters, or nullptr

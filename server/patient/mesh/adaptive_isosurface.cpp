@@ -284,20 +284,59 @@ class Bisector {
         return false;
     }
 
+    /// Edge of the lattice across which the surface passes, as shares of the way from `a` to `b`.
+    struct Crossing {
+        std::uint32_t a, b;
+        float low, high;        // the surface lies between
+        float at_low, at_high;  // values there, of opposite sign
+        [[nodiscard]] float share() const {
+            // Away from the corners, to avoid triangles without area. This order of comparison also replaces
+            // NaN.
+            constexpr float clearance = 0.02f;
+            const float t = low + (high - low) * at_low / (at_low - at_high);
+            return std::min(std::max(clearance, t), 1.0f - clearance);
+        }
+    };
+
+    [[nodiscard]] Vec3f point(const Crossing& c) const {
+        return point(places_[c.a]) + c.share() * (point(places_[c.b]) - point(places_[c.a]));
+    }
+
+    /// Moves vertices along their edges onto the surface (regula falsi, Illinois variant): a field need not
+    /// be linear between corners, and where it is least so the surface would ripple with the lattice.
+    void refine(std::vector<Crossing>& crossings, std::vector<Vec3f>& vertices) const {
+        constexpr int rounds = 3;
+        std::vector<float> values(vertices.size());
+        for (int round = 0; round < rounds; ++round) {
+            field_.value(vertices, values);
+            for (std::size_t i = 0; i < vertices.size(); ++i) {
+                Crossing& c = crossings[i];
+                const float t = c.share();
+                if ((values[i] < 0.0f) == (c.at_low < 0.0f)) {
+                    c.low = t;
+                    c.at_low = values[i];
+                    c.at_high *= 0.5f;
+                } else {
+                    c.high = t;
+                    c.at_high = values[i];
+                    c.at_low *= 0.5f;
+                }
+                vertices[i] = point(c);
+            }
+        }
+    }
+
     TriangleMesh march() const {
         TriangleMesh mesh;
+        std::vector<Crossing> crossings;
         IndexMap edges;
         const auto vertex = [&](std::uint32_t in, std::uint32_t out) {
             const std::uint32_t a = std::min(in, out), b = std::max(in, out);
             const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
             const std::uint32_t index = edges.insert(static_cast<std::uint64_t>(a) << 32 | b, next);
             if (index == next) {
-                // Away from the corners, to avoid triangles without area. This order of comparison also
-                // replaces NaN.
-                constexpr float clearance = 0.02f;
-                const float t =
-                    std::min(std::max(clearance, values_[a] / (values_[a] - values_[b])), 1.0f - clearance);
-                mesh.vertices.push_back(point(places_[a]) + t * (point(places_[b]) - point(places_[a])));
+                crossings.push_back({a, b, 0.0f, 1.0f, values_[a], values_[b]});
+                mesh.vertices.push_back(point(crossings.back()));
             }
             return index;
         };
@@ -324,6 +363,7 @@ class Bisector {
                 mesh.triangles.push_back({p, r, s});
             }
         }
+        refine(crossings, mesh.vertices);
         return mesh;
     }
 

@@ -429,6 +429,16 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
     return {cords.value(), lumen.value(), tongue.value()};
 }
 
+double clipped_percent(const render::Image& picture) {
+    constexpr std::uint8_t brightest = 255;
+    int clipped = 0;
+    for (std::size_t p = 0; p < picture.rgba.size(); p += 4) {
+        const std::uint8_t* const colour = picture.rgba.data() + p;
+        clipped += std::max({colour[0], colour[1], colour[2]}) == brightest ? 1 : 0;
+    }
+    return 100.0 * clipped / (picture.width * picture.height);
+}
+
 double differing_pixels_percent(const render::Image& a, const render::Image& b, int levels) {
     if (a.width != b.width || a.height != b.height) {
         return 100.0;

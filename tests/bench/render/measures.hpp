@@ -102,6 +102,9 @@ struct Luminances {
                                     const render::Camera& camera, std::span<const Vec3f> contour,
                                     float within);
 
+/// Share of the pixels [%] of which a channel is at its maximum: their colour is lost.
+[[nodiscard]] double clipped_percent(const render::Image& picture);
+
 /// Share of the pixels [%] that differ by more than `levels` of 256 in a channel; 100 if the sizes differ.
 [[nodiscard]] double differing_pixels_percent(const render::Image& a, const render::Image& b, int levels);
 

@@ -198,6 +198,15 @@ TEST(Measures, HalfCoveredOpeningIsHalfVisible) {
     EXPECT_NEAR(opening_in_picture(raster, camera, square, 2e-3f), 100.0, 1e-6);
 }
 
+TEST(Measures, AnyFullChannelClipsPixel) {
+    // Opacity is always full.
+    const render::Image picture{
+        .width = 4,
+        .height = 1,
+        .rgba = {254, 254, 254, 255, 255, 3, 0, 255, 255, 255, 255, 255, 0, 0, 0, 255}};
+    EXPECT_EQ(clipped_percent(picture), 50.0);
+}
+
 TEST(Measures, ComputesPercentageOfDifferingPixels) {
     const render::Image a{.width = 2, .height = 2, .rgba = std::vector<std::uint8_t>(16, 100)};
     render::Image b = a;

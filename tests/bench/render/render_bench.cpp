@@ -46,6 +46,7 @@ constexpr std::array goals = {
     Goal{"edge_stretch", "", 3.0, false, "longest edge against its rest length, before contact"},
     Goal{"lumen_to_cords", "", 0.4, false, "luminance of the lumen against the cords', at best view"},
     Goal{"lumen_to_tongue", "", 1.0, false, "the same against the tongue's"},
+    Goal{"clipped", "%", 3.0, false, "pixels of a lens's picture that are as bright as a channel can be"},
     Goal{"fine_outline", "%", 50.0, true, "an organ's outline in edges under 10 pixels at 1080p"},
     Goal{"open_contours", "", 0.0, false, "contours of the section that are not closed"},
     Goal{"pogo_apart", "points", 3.0, false, "POGO of the picture against the server's rays"},
@@ -236,6 +237,9 @@ class Bench {
             if (m == best) {
                 compare_eyes(attempt, moment, scene, shapes, add);
             }
+            if (m == touch || m == best || m == tube) {
+                look_around(scene, add);
+            }
         }
         if (options_.pictures) {
             sheet.write(options_.out / fmt::format("{}_{}.png", scenario, script));
@@ -273,7 +277,7 @@ class Bench {
     void conclude() const { results_.conclude(options_.out / "render-goals.csv"); }
 
   private:
-    static constexpr std::size_t mouth = 1, touch = 2, best = 3;
+    static constexpr std::size_t mouth = 1, touch = 2, best = 3, tube = 4;
 
     template <typename Add>
     void measure_view(const Attempt& attempt, const KeyMoment& moment, std::size_t m,
@@ -327,6 +331,38 @@ class Bench {
         }
     }
 
+    /// Seeded gazes of the blade's lens: a hole or a fold turned over shows as a back face. Only the worst of
+    /// each is a row.
+    template <typename Add>
+    void look_around(const view::SceneView& scene, Add&& add) {
+        constexpr float turn = 10.0f * degree, shift = 0.5e-3f;
+        Random random(50);
+        const auto either_way = [&](float most) { return most * (2.0f * random.uniform() - 1.0f); };
+        static thread_local render::Camera gaze;
+        render::View view = *render::view_named("laryngoscope");
+        const render::Camera straight = view.camera(scene, {});
+        view.cameras = [](const view::SceneView&, const render::Vantage&) {
+            return std::vector<render::Camera>{gaze};
+        };
+        double back_faces = 0.0, clipped = 0.0;
+        for (int i = 0; i < options_.eyes && !stop_requested(); ++i) {
+            gaze = straight;
+            const Vec3f way = straight.target - straight.eye;
+            const Vec3f across = way.cross(straight.up).normalized();
+            const Eigen::AngleAxisf up_down(either_way(turn), across);
+            const Eigen::AngleAxisf sideways(either_way(turn), straight.up);
+            gaze.eye += Vec3f(either_way(shift), either_way(shift), either_way(shift));
+            gaze.target = gaze.eye + sideways * (up_down * way);
+            back_faces =
+                std::max(back_faces,
+                         back_faces_percent(lens_.draw(view, scene, render::Shading::object_id_both_sides)));
+            clipped = std::max(clipped, clipped_percent(lens_.draw(view, scene)));
+        }
+        const std::string where = fmt::format("worst of {} gazes", options_.eyes);
+        add("lens", "back_faces", back_faces, where);
+        add("lens", "clipped", clipped, where);
+    }
+
     // An edge shifted by half a pixel is no fault: another processor's rounding causes it.
     template <typename Add>
     void compare_golden(const Attempt& attempt, const render::Image& picture, std::size_t m,
@@ -372,6 +408,7 @@ class Bench {
     Results results_;
     render::HeadlessContext context_;
     PictureMaker artist_;
+    PictureMaker lens_{640, 360};  // of seeded gazes
 };
 
 }  // namespace

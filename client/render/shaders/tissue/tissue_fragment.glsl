@@ -17,24 +17,20 @@ uniform vec3 film_stain;
 #endif
 #ifdef FINE
 in vec3 rest_at;
-float lattice(vec3 p) {   // Hoskins' hash without sine
-    p = fract(p * 0.1031);
-    p += dot(p, p.zyx + 31.32);
-    return fract((p.x + p.y) * p.z);
-}
-// Smooth noise, 0-1, and its gradient (Quilez 2017).
-vec4 noise(vec3 x) {
-    vec3 p = floor(x), w = fract(x);
-    vec3 u = w * w * (3.0 - 2.0 * w), du = 6.0 * w * (1.0 - w);
-    float a = lattice(p), b = lattice(p + vec3(1, 0, 0)), c = lattice(p + vec3(0, 1, 0)),
-          d = lattice(p + vec3(1, 1, 0)), e = lattice(p + vec3(0, 0, 1)), f = lattice(p + vec3(1, 0, 1)),
-          g = lattice(p + vec3(0, 1, 1)), h = lattice(p + vec3(1, 1, 1));
-    float k1 = b - a, k2 = c - a, k3 = e - a, k4 = a - b - c + d, k5 = a - c - e + g, k6 = a - b - e + f,
-          k7 = b + c + e - a - d - f - g + h;
-    return vec4(a + k1 * u.x + k2 * u.y + k3 * u.z + k4 * u.x * u.y + k5 * u.y * u.z + k6 * u.z * u.x +
-                    k7 * u.x * u.y * u.z,
-                du * vec3(k1 + k4 * u.y + k6 * u.z + k7 * u.y * u.z, k2 + k5 * u.z + k4 * u.x + k7 * u.z * u.x,
-                          k3 + k6 * u.x + k5 * u.y + k7 * u.x * u.y));
+uniform sampler2D mucosa;      // MucosaPattern
+uniform vec2 mucosa_scale;     // its period [m], steepest slope
+// The pattern along each axis of the rest shape, by the share of the surface that faces that way.
+void detail_at(vec3 p, vec3 n, out float blood, out vec3 slope, out float mottling) {
+    vec3 facing = n * n;
+    facing *= facing;
+    facing /= facing.x + facing.y + facing.z;
+    p /= mucosa_scale.x;
+    vec4 a = texture(mucosa, p.yz), b = texture(mucosa, p.zx + 0.37), c = texture(mucosa, p.xy + 0.71);
+    blood = dot(facing, vec3(a.r, b.r, c.r));
+    mottling = dot(facing, vec3(a.a, b.a, c.a)) - 0.5;
+    vec2 along_x = facing.x * (a.gb - 0.5), along_y = facing.y * (b.gb - 0.5), along_z = facing.z * (c.gb - 0.5);
+    slope = 2.0 * mucosa_scale.y *
+            vec3(along_y.y + along_z.x, along_x.x + along_z.y, along_x.y + along_y.x);
 }
 #endif
 void main() {
@@ -56,17 +52,16 @@ void main() {
     wet_by(film_at, film_stain, s);
 #endif
 #ifdef FINE
-    // Swellings of 1.2 mm and pores of 0.4 mm; vessels 0.1 mm wide.
-    vec4 swell = noise(rest_at * 850.0), pore = noise(rest_at * 2600.0);
-    vec3 slope = 0.10 * swell.yzw + 0.07 * pore.yzw;
-    s.coat = normalize(n - mix(0.6, 1.0, s.wet) * (1.0 - 0.6 * s.film) * (slope - dot(slope, n) * n));
-    // Ridges of noise that thin out: contour lines of the same noise would close to rings.
-    vec3 bent = rest_at * 170.0 + 0.9 * noise(rest_at * 330.0 + 9.0).yzw + 0.3 * swell.x;
-    float ridge = 1.0 - abs(2.0 * noise(bent).x - 1.0);
-    float breadth = 0.085 * smoothstep(0.4, 0.8, noise(rest_at * 120.0 + 5.0).x);
-    float vessel = smoothstep(0.0, 0.03, breadth + ridge - 1.0);
-    s.albedo *= mix(vec3(1.0), vec3(0.80, 0.42, 0.42), 0.45 * relief_at.y * vessel);
-    s.albedo *= 0.94 + 0.12 * swell.x;
+    float blood, mottling;
+    vec3 slope;
+    detail_at(rest_at, n, blood, slope, mottling);
+    slope -= dot(slope, n) * n;
+    // The wet coat follows the relief, which a film of liquid levels; the tissue below scatters light and
+    // shows less of it.
+    s.coat = normalize(n - mix(0.6, 1.0, s.wet) * (1.0 - 0.6 * s.film) * slope);
+    s.n = normalize(n - 0.25 * slope);
+    s.albedo *= mix(vec3(1.0), vec3(0.74, 0.36, 0.38), 0.6 * relief_at.y * blood);
+    s.albedo *= 1.0 + mottling * mix(vec3(0.12), vec3(0.10, 0.26, 0.24), relief_at.y);
 #endif
     vec3 sum = without_lights(s, v);
     for (int i = 0; i < LIGHTS; ++i) {

@@ -15,7 +15,7 @@ float distribution(float nh, float roughness) {
     return squared / (3.14159 * t * t);
 }
 vec3 thrown_back(Surface s, vec3 v, vec3 l) {
-    const vec3 wrap = vec3(0.30, 0.13, 0.09);
+    const vec3 wrap = vec3(0.24, 0.13, 0.09);
     float nl = dot(s.n, l);
     vec3 diffuse = max((nl + wrap) / ((1.0 + wrap) * (1.0 + wrap)), 0.0);
     vec3 h = normalize(l + v);

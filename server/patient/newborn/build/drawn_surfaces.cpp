@@ -32,7 +32,6 @@ TriangleMesh visible_mesh(const Anatomy& anatomy, const EdgeLength& edge, float 
     field.low = box[0];
     field.high = box[1];
     field.coarsest = 8e-3f * size;
-    field.max_bisections = 5;
     field.edge = edge;
     field.value = [&](std::span<const Vec3f> points, std::span<float> values) {
         constexpr std::size_t grain = 256;
@@ -57,7 +56,10 @@ TriangleMesh visible_mesh(const Anatomy& anatomy, const EdgeLength& edge, float 
             importance[i] *= 1e-3f;
         }
     });
-    return simplify_without_self_intersection(mesh, {.triangles = budget, .importance = importance});
+    mesh = simplify_without_self_intersection(mesh, {.triangles = budget, .importance = importance});
+    // Slivers left by collapsed edges shade as cracks before a lens.
+    smooth_without_self_intersection(mesh, drawn_smoothing_rounds);
+    return mesh;
 }
 
 /// Bones are visible in sections only, from a distance.
@@ -111,6 +113,9 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     // The tongue's silhouette, with edges under 10 pixels in the trainee's view, needs a higher resolution
     // than other surfaces of the mouth.
     constexpr float tongue_finer = 0.6f;
+    // The plate's rim is half a millimetre thick, and a lens sees all of it.
+    constexpr float plate_finer = 0.6f;
+    const EdgeLength of_plate = [&](const Vec3f& p) { return plate_finer * detail.edge(p); };
     const EdgeLength of_tongue = [&](const Vec3f& p) { return tongue_finer * detail.edge(p); };
     // The body takes as long as all others. The hyoid is embedded in soft tissue and moves with it.
     const std::array drawn = {
@@ -124,11 +129,11 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
               of_tongue},
         Drawn{"epiglottis",
               Tissue::epiglottis,
-              6000,
+              9000,
               &VisibleFields::epiglottis,
               nullptr,
               {tip.cwiseMin(base) - margin, tip.cwiseMax(base) + margin},
-              of_place},
+              of_plate},
         Drawn{"skull", Tissue::skull, 16000, nullptr, &skull, {}},
         Drawn{"mandible", Tissue::mandible, 4000, nullptr, &mandible, {}},
         Drawn{"spine", Tissue::spine, 8000, nullptr, &spine, {}},

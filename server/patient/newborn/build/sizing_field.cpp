@@ -34,6 +34,8 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
     const Vec3f& tip = at(points, Landmark::epiglottis_tip);
     const Vec3f& glottis = at(points, Landmark::glottis);
     add(tip, beside(glottis, 0.0f, 0.0f, -2.0f), 6.5e-3f, 0.3f);
+    // Free edges of the cords and of the vestibular folds above them.
+    add(beside(glottis, 0.0f, 0.0f, 2.5f), beside(glottis, 0.0f, 0.0f, -1.0f), 3.2e-3f, 0.2f);
     add(at(points, Landmark::vallecula), at(points, Landmark::vallecula), 6e-3f, 0.4f);
     add(glottis, at(points, Landmark::carina), 4e-3f, 0.8f);
     const Vec3f& upper_lip = at(points, Landmark::upper_lip);

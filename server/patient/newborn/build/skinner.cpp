@@ -160,8 +160,10 @@ Shares Skinner::by_tissue(const Vec3f& point, Tissue tissue, const Vec3f& normal
     const ParticleSet& set = patient_.particles;
     const auto family = static_cast<std::size_t>(family_of(tissue));
     const float radius = kernel_reach * spacing_;
-    // The plate is thin, with folds on both sides: both faces and the folds move together.
-    const Vec3f outward = tissue == Tissue::epiglottis ? Vec3f(Vec3f::Zero()) : normal;
+    // The plate is thin, with folds on both sides, and so are the folds: both faces move together.
+    const bool thin =
+        tissue == Tissue::epiglottis || tissue == Tissue::larynx || tissue == Tissue::vocal_cord;
+    const Vec3f outward = thin ? Vec3f(Vec3f::Zero()) : normal;
     Sums sums(patient_.frame_rest_centre.size());
     grids_[family].within(point, radius, [&](std::uint32_t k, float squared) {
         const std::uint32_t i = families_[family].particles[k];

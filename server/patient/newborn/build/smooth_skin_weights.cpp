@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/mesh/closest_point.hpp"
 #include "common/mesh/point_grid.hpp"
 #include "common/model/posture_range.hpp"
 #include "server/parallel/loops.hpp"
@@ -58,6 +59,11 @@ constexpr float plate_reach = 0.44f;
 constexpr float lifted_radius = 1.4f;
 // Fraction of the distance from glottis to the epiglottis's tip below which weights are not smoothed.
 constexpr float held_above = 0.08f;
+
+// In lengths of the plate: distance from the line between glottis and tip within which weights are relaxed.
+constexpr float relaxed_radius = 0.6f;
+// A millimetre: the root of their number, times an edge of 0.3 mm and the weight of the neighbours.
+constexpr int relaxing_sweeps = 24;
 
 // [m], distances from an edge overstretched by smoothing: within the first, smoothing is undone, fading out
 // to the second.
@@ -123,6 +129,24 @@ class SkinWeightSmoother {
         find_across();
         hold(anatomy);
         find_plate(anatomy, patient);
+    }
+
+    /// Smooths all weights about larynx and plate: clusters a millimetre apart move differently in a lift,
+    /// and a fold that a lens sees from 10 mm would wrinkle as they do.
+    void relax(const Anatomy& anatomy) {
+        const auto points = anatomy.landmarks();
+        const Vec3f& glottis = points[static_cast<std::size_t>(Landmark::glottis)];
+        const Plate plate = plate_of(anatomy);
+        std::vector<std::uint32_t> which;
+        for (std::uint32_t v = 0; v < held_.size(); ++v) {
+            const float off = offset_from_segment(glottis, plate.tip, mesh_.vertices[v]).norm();
+            if (held_[v] == 0 && off < relaxed_radius * plate.length()) {
+                which.push_back(v);
+            }
+        }
+        for (int sweep = 0; sweep < relaxing_sweeps; ++sweep) {
+            take_mean_of_neighbours(which);
+        }
     }
 
     void level() {
@@ -381,7 +405,9 @@ class SkinWeightSmoother {
 
 void smooth_skin_weights(const Anatomy& anatomy, const Patient& patient, const TriangleMesh& mesh,
                          std::span<Shares> carried) {
-    SkinWeightSmoother(anatomy, patient, mesh, carried).level();
+    SkinWeightSmoother smoother(anatomy, patient, mesh, carried);
+    smoother.relax(anatomy);
+    smoother.level();
 }
 
 }  // namespace eti::patient

@@ -63,6 +63,53 @@ float brightness(const render::VertexColour& colour) {
     return static_cast<float>(colour[0] + colour[1] + colour[2]) / 3.0f;
 }
 
+TEST(SurfaceColours, CordsAndClothShowNoVessels) {
+    const auto vessels = [](Tissue tissue) {
+        bus::RestSurface surface;
+        surface.tissue = tissue;
+        surface.mesh = cube();
+        surface.triangle_tissue.assign(surface.mesh.triangles.size(), tissue);
+        return render::surface_appearance(surface, {}).relief.front()[1];
+    };
+    EXPECT_EQ(vessels(Tissue::larynx), 255);
+    EXPECT_EQ(vessels(Tissue::vocal_cord), 0);
+    EXPECT_EQ(vessels(Tissue::cloth), 0);
+    EXPECT_LT(vessels(Tissue::tongue), 128);
+}
+
+// A border of tissues is not one of triangles: neighbours of its vertices take part.
+TEST(SurfaceColours, TissuesBlendAcrossSeveralEdges) {
+    constexpr int columns = 40, rows = 4, border = columns / 2;
+    bus::RestSurface strip;
+    strip.tissue = Tissue::larynx;
+    for (int y = 0; y <= rows; ++y) {
+        for (int x = 0; x <= columns; ++x) {
+            strip.mesh.vertices.emplace_back(0.3e-3f * static_cast<float>(x), 0.3e-3f * static_cast<float>(y),
+                                             0.0f);
+        }
+    }
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            const auto a = static_cast<std::uint32_t>(y * (columns + 1) + x), b = a + columns + 1;
+            strip.mesh.triangles.push_back({a, a + 1, b});
+            strip.mesh.triangles.push_back({b, a + 1, b + 1});
+            strip.triangle_tissue.insert(strip.triangle_tissue.end(), 2,
+                                         x < border ? Tissue::larynx : Tissue::vocal_cord);
+        }
+    }
+    const auto relief = render::surface_appearance(strip, {}).relief;
+    const auto vessels = [&](int x) {
+        return int{relief[static_cast<std::size_t>(rows / 2 * (columns + 1) + x)][1]};
+    };
+    EXPECT_EQ(vessels(2), 255);
+    EXPECT_EQ(vessels(columns - 2), 0);
+    for (int x = border - 2; x < border + 2; ++x) {
+        EXPECT_GT(vessels(x), vessels(x + 1)) << x;
+        EXPECT_GT(vessels(x), 0);
+        EXPECT_LT(vessels(x + 1), 255);
+    }
+}
+
 TEST(SurfaceColours, SkinIsPalerAndDrierThanThroat) {
     const synthetic::Scene source = synthetic::make_scene();
     view::SceneView scene;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/math/units.hpp"
+#include "common/mesh/check.hpp"
 #include "common/model/posture_range.hpp"
 #include "server/app/run/patient_cache.hpp"
 #include "server/patient/model/skeleton.hpp"
@@ -21,8 +22,8 @@ namespace {
 // least a circle of that diameter, 88 mm or 1.6 times as long. No skinning to bones can do better on average;
 // three is that with the corners of the mouth stretched twice as much as the middle of the lips.
 constexpr float max_stretch = 3.0f;
-// The finest surfaces are meshed at 0.3 mm. Slivers among their triangles have edges down to 0.05 mm, which
-// at three times the length are still shorter than the others.
+// The larynx is meshed at 0.3 mm, cords and epiglottis are more finely. Slivers among their triangles have
+// edges down to 0.05 mm, which at three times the length are still shorter than the others.
 constexpr float shortest_built_edge = 2e-4f;  // [m]
 
 // Folds at the epiglottis follow it at one end and larynx or throat at the other, and weights of nine frames
@@ -110,6 +111,14 @@ TEST_P(BuildSkin, NoPostureTearsSkin) {
                                             << posture.jaw_opening / degree << " deg";
             }
         }
+    }
+}
+
+// Skinning moves vertices and adds no edges: what is closed at rest has no open edge in a lift.
+TEST_P(BuildSkin, DrawnSurfacesAreClosedAndSimple) {
+    for (const Surface& surface : patient().surfaces) {
+        const MeshReport report = check(surface.mesh);
+        EXPECT_TRUE(report.is_valid()) << surface.name << ": " << report.describe();
     }
 }
 

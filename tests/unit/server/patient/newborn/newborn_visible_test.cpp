@@ -105,8 +105,24 @@ TEST_F(NewbornSeen, TuberclesFlankInterarytenoidNotch) {
     };
     const float corniculate = top(1.65f, 1.7f), cuneiform = top(3.5f, 2.8f);
     EXPECT_GT(corniculate, top(0.0f, 1.7f) + 1.5f) << "the interarytenoid notch";
+    EXPECT_LT(corniculate, top(0.0f, 1.7f) + 2.3f) << "mucosa bridges it";
     EXPECT_GT(corniculate, top(2.55f, 2.1f) + 0.15f) << "a dip between the tubercles";
     EXPECT_GT(cuneiform, top(2.55f, 2.1f) + 0.15f);
+}
+
+TEST_F(NewbornSeen, VentricleLiesBetweenFoldAndCord) {
+    for (const float y : {5.0f, 6.0f}) {
+        const float fold = half_width(y, -34.8f), ventricle = half_width(y, -36.0f);
+        EXPECT_GT(ventricle, fold + 0.6f) << y;
+        EXPECT_GT(half_width(y, -32.5f), fold + 0.2f) << "the vestibule above, y " << y;
+        EXPECT_GT(fold, half_width(y, -37.5f)) << "the cord is visible beside it, y " << y;
+    }
+}
+
+// Above the contour that is measured, each cord bulges where its ligament ends.
+TEST_F(NewbornSeen, VocalProcessBulgesAboveGlottis) {
+    const auto leaned = [&](float y) { return half_width(y, -37.15f) - half_width(y, -37.5f); };
+    EXPECT_LT(leaned(4.5f), leaned(6.0f) - 0.08f);
 }
 
 // Pits on both sides of the median fold, with lateral folds beside them.

@@ -14,7 +14,7 @@ TEST(SizingField, IsFinestInCloseUpRegions) {
     const Newborn newborn{NewbornShape()};
     const SizingField detail(newborn, 1e-3f);
     const auto points = newborn.landmarks();
-    EXPECT_NEAR(detail.edge(at(points, Landmark::glottis)), 0.3e-3f, 1e-5f);
+    EXPECT_NEAR(detail.edge(at(points, Landmark::glottis)), 0.2e-3f, 1e-5f);
     EXPECT_NEAR(detail.edge(at(points, Landmark::epiglottis_tip)), 0.3e-3f, 1e-5f);
     EXPECT_NEAR(detail.edge(at(points, Landmark::upper_lip)), 0.4e-3f, 1e-5f);
     EXPECT_NEAR(detail.edge(at(points, Landmark::lower_gum)), 0.4e-3f, 1e-5f);
