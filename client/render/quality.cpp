@@ -23,6 +23,7 @@ constexpr std::array quality_table{
             .lit_at_vertices = true,
             .refraction = false,
             .fine_outlines = false,
+            .environment = false,
             .fine = false},
     Quality{.name = "medium",
             .help = "two samples per pixel, 1024-texel shadows, fine relief",
@@ -34,6 +35,7 @@ constexpr std::array quality_table{
             .lit_at_vertices = false,
             .refraction = true,
             .fine_outlines = true,
+            .environment = true,
             .fine = true},
     Quality{.name = "high",
             .help = "four samples per pixel, soft 2048-texel shadows, fine relief",
@@ -45,6 +47,7 @@ constexpr std::array quality_table{
             .lit_at_vertices = false,
             .refraction = true,
             .fine_outlines = true,
+            .environment = true,
             .fine = true},
 };
 

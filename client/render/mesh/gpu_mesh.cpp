@@ -73,6 +73,13 @@ void GpuMesh::upload(std::span<const view::TubeVertex> vertices) {
     render::upload(GL_ARRAY_BUFFER, vertices_, packed, GL_STREAM_DRAW);
 }
 
+void GpuMesh::replace(std::span<const view::LitVertex> vertices, std::span<const VertexColour> colours) {
+    glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
+    glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data());
+    glBindBuffer(GL_ARRAY_BUFFER, colours_.name());
+    glBufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(colours.size_bytes()), colours.data());
+}
+
 void GpuMesh::draw() const {
     glBindVertexArray(array_.name());
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);

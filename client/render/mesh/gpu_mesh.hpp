@@ -38,6 +38,8 @@ class GpuMesh {
     explicit GpuMesh(std::span<const Triangle> triangles);
 
     void upload(std::span<const view::TubeVertex> vertices);
+    /// Replaces the first vertices of a mesh with colours.
+    void replace(std::span<const view::LitVertex> vertices, std::span<const VertexColour> colours);
     void draw() const;
 
     /// Revision of the last upload, maintained by the caller.

@@ -17,6 +17,7 @@ struct Vantage {
     Orbit orbit{};                            ///< of the observer
     Section section{};                        ///< section plane
     view::TraineeEye eye{};                   ///< the trainee's own
+    bool hands = true;                        ///< whether hands hold the tools in views from outside
     float fogging = 0.0f;                     ///< 0-1, initial fogging of the blade's lens
     std::vector<Camera> headset_eyes{};       ///< the headset's eyes, left first; empty without a headset
     std::optional<bus::Annotation> sketch{};  ///< a mark being drawn, not visible to others yet

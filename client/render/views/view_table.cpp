@@ -45,7 +45,7 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
     return {left, right};
 }
 
-const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools,
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::room,       Pass::tools,
                                    Pass::liquid,      Pass::glottis, Pass::annotations};
 
 const std::array table{
@@ -54,8 +54,7 @@ const std::array table{
          .help = "the view from the trainee's eye",
          .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
-         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
-                    Pass::annotations},
+         .passes = of_a_mouth,
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::eye,
@@ -78,7 +77,7 @@ const std::array table{
          .cameras = from_above,
          .lighting = overview_lighting,
          // An observer sees little of the lamp's light through the mouth, with or without lips.
-         .passes = {Pass::room_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid,
+         .passes = {Pass::room_shadow, Pass::patient, Pass::room, Pass::tools, Pass::liquid,
                     Pass::annotations},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight},
          .background = Vec3f(0.035f, 0.065f, 0.075f),
@@ -119,7 +118,7 @@ const View& headset_view() {
         .help = "the trainee's headset",
         .cameras = [](const view::SceneView&, const Vantage& from) { return from.headset_eyes; },
         .lighting = headset_lighting,
-        .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
+        .passes = {Pass::lamp_shadow, Pass::patient, Pass::room, Pass::tools, Pass::liquid, Pass::glottis,
                    Pass::annotations},
         .overlays = {Overlay::gum_force, Overlay::sight_dot, Overlay::axes},
         .background = Vec3f(0.035f, 0.065f, 0.075f),

@@ -22,7 +22,7 @@ enum class Pass : std::uint8_t {
     lamp_shadow,  ///< light 1, the laryngoscope's lamp, casts shadows
     caps,         ///< section faces; drawn before the patient, whom they largely occlude
     patient,
-    table,  ///< beneath the patient
+    room,  ///< bedding, furniture, monitor, and hands on the tools
     tools,
     liquid,
     glottis,       ///< tinted glottic opening, if the session requests it
