@@ -160,6 +160,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     app.add_number("--fogging", options.vantage.fogging,
                    "Start with a fogged lens; the blade's lamp warms and clears it", {0.0f, 1.0f})
         .capture_default_str();
+    app.add_flag("!--no-hands", options.vantage.hands, "Show the tools without the hands that hold them");
     const auto offscreen = app.add_option("--offscreen", options.offscreen,
                                           "Render without a display; write pictures to this folder");
     const auto video =

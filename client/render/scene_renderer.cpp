@@ -135,6 +135,9 @@ void SceneRenderer::run(Pass pass, const DrawContext& context) {
         case Pass::patient:
             patient_.draw(context, meshes_, shadows_);
             break;
+        case Pass::hands:
+            room_.draw_hands(context, meshes_, shadows_);
+            break;
         case Pass::room:
             room_.draw(context, meshes_, shadows_);
             break;

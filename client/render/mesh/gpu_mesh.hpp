@@ -21,12 +21,16 @@ enum class Attribute : GLuint {
     course = 3,
     relief = 4,
     rest = 5,
-    film = 6
+    film = 6,
+    height = 7
 };
 
 /// Describes an attribute of the bound vertex array in the bound buffer; offset and stride [bytes].
 void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,
                std::size_t offset);
+
+/// A unit vector as GL_INT_2_10_10_10_REV.
+[[nodiscard]] std::uint32_t packed_normal(const Vec3f& normal);
 
 /// A tool's triangle mesh on the GPU; the triangles are constant.
 class GpuMesh {
@@ -38,8 +42,6 @@ class GpuMesh {
     explicit GpuMesh(std::span<const Triangle> triangles);
 
     void upload(std::span<const view::TubeVertex> vertices);
-    /// Replaces the first vertices of a mesh with colours.
-    void replace(std::span<const view::LitVertex> vertices, std::span<const VertexColour> colours);
     void draw() const;
 
     /// Revision of the last upload, maintained by the caller.

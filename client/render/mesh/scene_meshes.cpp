@@ -74,8 +74,9 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
             [&](const Vec3f& at) { return std::max(shortest_edge, edge_by_distance * (at - lamp).norm()); });
         const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
         blade_.emplace(mesh.triangles, mesh.vertices, steel);
-        spare = {mesh.vertices, std::vector<VertexColour>(mesh.vertices.size(), {198, 200, 205, 255}),
-                 mesh.triangles};
+        const CreasedMesh plain = creased(*scene.laryngoscope(), crease_angle);
+        spare = {plain.vertices, std::vector<VertexColour>(plain.vertices.size(), steel.front()),
+                 plain.triangles};
         bulb_.emplace(bulb_mesh(lamp));
     }
     room_.build(scene, spare);

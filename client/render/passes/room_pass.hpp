@@ -12,13 +12,15 @@
 namespace eti::render {
 
 /// The room: bedding, furniture, monitor, and the hands on the tools. It is absent from pictures for
-/// measurement. GL state: begin_passes(); samples the maps of the last ShadowPass::draw().
+/// measurement. GL state of each function: begin_passes(); samples the maps of the last ShadowPass::draw().
 class RoomPass {
   public:
     RoomPass();
+    void draw_hands(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
     void draw(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
 
   private:
+    ShaderProgram& use_matter(const DrawContext& context, const ShadowPass& shadows, const char* define);
     void draw_monitor(const DrawContext& context, const RoomMeshes& room);
 
     ShaderVariants matter_, flat_, screen_;

@@ -52,12 +52,6 @@ std::uint64_t state_of(const DrawContext& context, SceneMeshes& meshes, bool lip
             digest.add(pose->rotation.coeffs()[part]);
         }
     }
-    for (const RoomMeshes::Hand& hand : meshes.room().hands()) {
-        for (const float number : hand.pose.translation) {
-            digest.add(number);
-        }
-    }
-    digest.add(context.from.hands);
     if (lips_retracted) {
         const LipRetraction& lips = context.lips;
         for (const float number : lips.axes.reshaped()) {
@@ -86,9 +80,8 @@ void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes) {
     const Light& room = context.lighting.lights[0];
     if (context.view.has(Pass::room_shadow)) {
         const Eigen::Matrix4f clip = directional_light_matrix(room, context.camera.target, room_radius);
-        fill(room_, clip,
-             {nullptr, ShadowLod::coarse, coarse_room_bias, room_depth, clip, nullptr, context.from.hands},
-             context, meshes);
+        fill(room_, clip, {nullptr, ShadowLod::coarse, coarse_room_bias, room_depth, clip, nullptr}, context,
+             meshes);
     }
     if (lamp_shadow_of(context)) {
         const Light& lamp = context.lighting.lights[1];
@@ -99,8 +92,7 @@ void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes) {
         half(2, 2) = 2.0f / lamp_reach;
         half(2, 3) = -1.0f;
         fill(lamp_, into,
-             {"FROM_LAMP", ShadowLod::fine, coarse_lamp_bias, lamp_reach - lamp_glass, half * into, &lamp,
-              false},
+             {"FROM_LAMP", ShadowLod::fine, coarse_lamp_bias, lamp_reach - lamp_glass, half * into, &lamp},
              context, meshes);
     }
 }
@@ -156,12 +148,6 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, con
     if (meshes.blade() && context.scene.laryngoscope_pose()) {
         program.set("model", matrix_of(*context.scene.laryngoscope_pose()));
         meshes.blade()->draw();
-    }
-    if (caster.hands) {
-        for (const RoomMeshes::Hand& hand : meshes.room().hands()) {
-            program.set("model", matrix_of(hand.pose));
-            hand.mesh->draw();
-        }
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
     glDisable(GL_CLIP_DISTANCE0);

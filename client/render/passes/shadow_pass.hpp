@@ -34,7 +34,6 @@ class ShadowPass {
         float depth;          ///< [m], depth range of the map
         Eigen::Matrix4f box;  ///< clip volume of possible shadow casters
         const Light* lamp;    ///< lamp whose reach limits the casters, or nullptr
-        bool hands;           ///< whether the hands on the tools cast shadows
     };
     void fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, const Caster& caster,
               const DrawContext& context, SceneMeshes& meshes);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float none = 1e3f;  // [m], far beyond any body
 
-const Vec3f towel(206, 212, 214), stripe(92, 150, 176);  // sRGB
+const Vec3f towel(178, 184, 184), stripe(92, 150, 176);  // sRGB
 
 int cell_of(float at, float from) {
     return static_cast<int>(std::floor((at - from) / BodyProfile::cell));
@@ -42,6 +42,20 @@ float row_place(int row) {
 
 std::uint8_t tinted(float value) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 255.0f)));
+}
+
+// Triangles of every `step`-th row and column.
+std::vector<Triangle> grid_triangles(std::uint32_t step) {
+    constexpr std::uint32_t columns = Bedding::columns, rows = Bedding::rows;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t row = 0; row + step < rows; row += step) {
+        for (std::uint32_t column = 0; column + step < columns; column += step) {
+            const std::uint32_t at = row * columns + column, below = at + step * columns;
+            triangles.push_back({at, below, below + step});
+            triangles.push_back({at, below + step, at + step});
+        }
+    }
+    return triangles;
 }
 
 bool outlines(Tissue tissue) {
@@ -83,8 +97,9 @@ void BodyOutline::build(const view::SceneView& scene) {
         const bus::RestSurface* surface = nullptr;
         std::size_t vertex = 0;
     };
-    std::vector<std::array<Extreme, 2>> extremes(
-        static_cast<std::size_t>(BodyProfile::width * BodyProfile::length));
+    // A point stands for the cells beside its own: one per two by two suffices.
+    constexpr int blocks = BodyProfile::width / 2;
+    std::vector<std::array<Extreme, 2>> extremes(static_cast<std::size_t>(blocks * BodyProfile::length / 2));
     for (const auto& [name, surface] : scene.surfaces()) {
         const bus::RestSurface& model = surface.model();
         if (!outlines(model.tissue)) {
@@ -96,7 +111,7 @@ void BodyOutline::build(const view::SceneView& scene) {
             if (!on_map(column, row)) {
                 continue;
             }
-            auto& [back, front] = extremes[cell_index(column, row)];
+            auto& [back, front] = extremes[static_cast<std::size_t>(row / 2 * blocks + column / 2)];
             if (-p.y() < back.y) {
                 back = {-p.y(), &model, v};
             }
@@ -173,24 +188,45 @@ Rest rest_of(const BodyProfile& body) {
 }
 
 float sky_beside(const BodyProfile& body, const Vec3f& point) {
-    constexpr int directions = 12;
-    constexpr std::array reaches{4e-3f, 9e-3f, 16e-3f, 26e-3f, 40e-3f, 60e-3f, 90e-3f};  // [m]
+    static constexpr int directions = 10;
+    static constexpr std::array reaches{1.0f, 2.0f, 4.0f, 7.0f, 11.0f, 18.0f};  // [cells]
+    struct Step {
+        int column, row;
+        float squared;  // [m^2], of its length
+    };
+    static const auto steps = [] {
+        std::array<std::array<Step, reaches.size()>, directions> all{};
+        for (int k = 0; k < directions; ++k) {
+            const float turn = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(k) + 0.5f) / directions;
+            for (std::size_t j = 0; j < reaches.size(); ++j) {
+                const auto column = static_cast<int>(std::lround(reaches[j] * std::cos(turn)));
+                const auto row = static_cast<int>(std::lround(reaches[j] * std::sin(turn)));
+                const auto cells = static_cast<float>(column * column + row * row);
+                all[static_cast<std::size_t>(k)][j] = {column, row,
+                                                       cells * BodyProfile::cell * BodyProfile::cell};
+            }
+        }
+        return all;
+    }();
+    const int column = cell_of(point.x(), BodyProfile::left), row = cell_of(point.z(), BodyProfile::foot);
     float left = 0.0f;
-    for (int k = 0; k < directions; ++k) {
-        const float turn = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(k) + 0.5f) / directions;
+    for (const auto& along : steps) {
         // The body hides the band of elevations between its back and its front as seen from the point; a band
         // from a to b takes sin^2 b - sin^2 a of the light of this azimuth.
         float low = 1.0f, high = 0.0f;
-        for (const float reach : reaches) {
-            const float x = point.x() + reach * std::cos(turn), z = point.z() + reach * std::sin(turn);
-            const float back = body.back_at(x, z);
+        for (const Step& step : along) {
+            const int x = column + step.column, z = row + step.row;
+            if (!on_map(x, z)) {
+                break;
+            }
+            const float back = body.back[cell_index(x, z)];
             if (back <= -none) {
                 continue;
             }
             const float under = std::max(point.y() - back, 0.0f);
-            const float over = std::max(point.y() - body.front_at(x, z), 0.0f);
-            low = std::min(low, under * under / (under * under + reach * reach));
-            high = std::max(high, over * over / (over * over + reach * reach));
+            const float over = std::max(point.y() - body.front[cell_index(x, z)], 0.0f);
+            low = std::min(low, under * under / (under * under + step.squared));
+            high = std::max(high, over * over / (over * over + step.squared));
         }
         left += 1.0f - std::max(high - low, 0.0f);
     }
@@ -207,15 +243,12 @@ Bedding::Bedding(const Rest& rest, const BodyProfile& body) : rest_(rest) {
                 Vec3f(column_place(column), 0.0f, head_end - row_place(row));
         }
     }
-    for (int row = 0; row + 1 < rows; ++row) {
-        for (int column = 0; column + 1 < columns; ++column) {
-            const auto at = static_cast<std::uint32_t>(index(column, row));
-            const std::uint32_t below = at + columns;
-            triangles_.push_back({at, below, below + 1});
-            triangles_.push_back({at, below + 1, at + 1});
-        }
-    }
+    triangles_ = grid_triangles(1);
     shape(body, rows);
+}
+
+std::vector<Triangle> Bedding::coarse_triangles() const {
+    return grid_triangles(2);
 }
 
 float Bedding::unloaded(float x, float z, float headrest) const {

@@ -32,7 +32,8 @@ struct BodyProfile {
 
 [[nodiscard]] BodyProfile profile_of(std::span<const Vec3f> points);
 
-/// Points of a body that outline it from below and above: one of each kind per cell at rest.
+/// Points of a body that outline it from below and above: one of each kind per two by two
+/// cells at rest.
 class BodyOutline {
   public:
     /// Chooses the points; the body's surfaces are those of the scene that a viewer sees.
@@ -64,7 +65,7 @@ struct Rest {
 /// elevation.
 class Bedding {
   public:
-    static constexpr int columns = 44, rows = 72;
+    static constexpr int columns = 45, rows = 73;  ///< odd, for coarse_triangles()
 
     Bedding() = default;
     Bedding(const Rest& rest, const BodyProfile& body);
@@ -76,6 +77,8 @@ class Bedding {
     /// Darkened where the body hides the room.
     [[nodiscard]] std::span<const VertexColour> colours() const { return colours_; }
     [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
+    /// The same surface with every other row and column.
+    [[nodiscard]] std::vector<Triangle> coarse_triangles() const;
     /// Rows run from the head's end to the feet's. Height [m] of the surface, y of the patient frame.
     [[nodiscard]] float height(int column, int row) const {
         return vertices_[index(column, row)].position.y();

@@ -22,7 +22,7 @@ const VertexColour enamel{214, 218, 216, 90}, vinyl{74, 124, 150, 70}, housing{6
 
 // The stand with mattress, rails, column and warmer.
 void add_resuscitaire(Furniture& room) {
-    Solid& to = room.dull;
+    Solid& to = room.dull.emplace_back();
     const auto box = [&](const Vec3f& centre, const Vec3f& half, float radius, VertexColour colour) {
         to.append(rounded_box(centre, half, radius, colour));
     };
@@ -129,19 +129,18 @@ void add_monitor(Furniture& room) {
     axes.col(2) = -Vec3f(0.80f, -0.22f, 0.56f).normalized();
     axes.col(0) = Vec3f::UnitY().cross(axes.col(2)).normalized();
     axes.col(1) = axes.col(2).cross(axes.col(0));
+    Solid& to = room.dull.emplace_back();
     const RigidTransform pose = RigidTransform::from(Quatf(axes), centre);
-    room.dull.append(rounded_box({0.0f, 0.0f, 0.020f}, {half_width + 0.012f, half_height + 0.012f, 0.020f},
-                                 0.008f, housing),
-                     pose);
+    to.append(rounded_box({0.0f, 0.0f, 0.020f}, {half_width + 0.012f, half_height + 0.012f, 0.020f}, 0.008f,
+                          housing),
+              pose);
     const std::array arm{Ring{pose * Vec3f(0.0f, 0.03f, 0.036f), 0.011f},
                          Ring{pose * Vec3f(0.0f, 0.03f, 0.060f), 0.011f}};
-    room.dull.append(sweep(arm, 12, enamel));
+    to.append(sweep(arm, 12, enamel));
     const Vec3f back = pose * Vec3f(0.0f, 0.03f, 0.056f);
-    room.dull.append(
-        sweep(std::array{Ring{back, 0.011f}, Ring{{back.x(), 0.07f, back.z()}, 0.011f}}, 12, enamel));
-    room.dull.append(rounded_box({0.5f * (back.x() - 0.26f), 0.066f, back.z()},
-                                 {0.5f * std::abs(back.x() + 0.26f) + 0.02f, 0.010f, 0.014f}, 0.004f,
-                                 enamel));
+    to.append(sweep(std::array{Ring{back, 0.011f}, Ring{{back.x(), 0.07f, back.z()}, 0.011f}}, 12, enamel));
+    to.append(rounded_box({0.5f * (back.x() - 0.26f), 0.066f, back.z()},
+                          {0.5f * std::abs(back.x() + 0.26f) + 0.02f, 0.010f, 0.014f}, 0.004f, enamel));
     room.screen_centre = pose * Vec3f(0.0f, 0.0f, -0.8e-3f);
     room.screen_right = half_width * axes.col(0);
     room.screen_down = half_height * axes.col(1);
@@ -151,7 +150,7 @@ void add_monitor(Furniture& room) {
 void add_walls(Furniture& room) {
     constexpr int steps = 8;
     const Vec3f low(-wall, ceiling_y, -wall + middle_z), high(wall, floor_y, wall + middle_z);
-    Solid& to = room.dull;
+    Solid& to = room.dull.emplace_back();
     for (int axis = 0; axis < 3; ++axis) {
         for (const bool far : {false, true}) {
             const Vec3f inward = (far ? -1.0f : 1.0f) * Vec3f::Unit(axis);
@@ -169,7 +168,7 @@ void add_walls(Furniture& room) {
                     const float open = floor ? 0.45f + 0.55f * smoothstep(0.2f, 1.2f, away) : 1.0f;
                     const Vec3f colour = floor     ? Vec3f(98, 108, 112)
                                          : ceiling ? Vec3f(214, 216, 214)
-                                                   : Vec3f(166, 180, 182);
+                                                   : Vec3f(204, 202, 192);
                     const auto byte = [&](float value) { return static_cast<std::uint8_t>(open * value); };
                     to.colours.push_back({byte(colour.x()), byte(colour.y()), byte(colour.z()),
                                           static_cast<std::uint8_t>(floor ? 60 : 0)});
@@ -200,8 +199,8 @@ void add_walls(Furniture& room) {
 Furniture make_furniture(const Solid& blade) {
     Furniture room;
     add_resuscitaire(room);
-    add_airway_aids(room.dull);
-    add_trolley(room.dull, blade);
+    add_airway_aids(room.dull.emplace_back());
+    add_trolley(room.dull.emplace_back(), blade);
     add_monitor(room);
     add_walls(room);
     return room;

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <vector>
+
 #include "client/render/room/solid.hpp"
 
 namespace eti::render {
@@ -10,9 +12,10 @@ namespace eti::render {
 /// at which the operator stands; axes are those of the patient frame: x to the patient's left, y down, z
 /// towards the operator.
 struct Furniture {
-    Solid dull;                           ///< everything lit
-    Solid glowing;                        ///< the warmer's element and the luminaires
-    Vec3f screen_centre = Vec3f::Zero();  ///< of the monitor
+    std::vector<Solid>
+        dull;       ///< everything lit, in parts that are culled one by one; the last: floor and walls
+    Solid glowing;  ///< the warmer's element and the luminaires
+    Vec3f screen_centre = Vec3f::Zero();                                ///< of the monitor
     Vec3f screen_right = Vec3f::UnitX(), screen_down = Vec3f::UnitY();  ///< [m], half its sides
 };
 

@@ -16,7 +16,7 @@ namespace {
 constexpr float spacing = 3e-3f;                                   // [m] of the grid that is meshed
 constexpr float webs = 1.5e-3f, knuckles = 7e-3f, flesh = 12e-3f;  // [m], radii of blends
 
-const VertexColour nitrile{84, 104, 178, 110}, cuff{96, 116, 190, 90}, sleeve{86, 132, 138, 0};
+const VertexColour nitrile{112, 126, 184, 110}, cuff{122, 136, 192, 90}, sleeve{92, 130, 134, 0};
 
 // Joints in mm, from the knuckle (or the thumb's base) to the tip, with the radius there.
 struct Finger {
@@ -26,7 +26,7 @@ struct Finger {
 
 struct Hand {
     std::array<Finger, 5> finger;  // the thumb first
-    Vec3f wrist, elbow;            // elbow: end of the modelled forearm
+    Vec3f wrist, forearm;          // forearm: unit vector from the wrist
 };
 
 // Fingers around a handle along y whose radius is 9 mm, the tips' pads against it.
@@ -43,7 +43,7 @@ Hand around_the_handle() {
                    finger(79.0f, 1.0f, 8.8f), finger(61.5f, 1.08f, 9.0f), finger(44.0f, 1.0f, 8.6f),
                    finger(27.5f, 0.9f, 7.6f)};
     hand.wrist = Vec3f(44, 40, -66);
-    hand.elbow = hand.wrist + 125.0f * Vec3f(0.50f, -0.50f, -0.70f);
+    hand.forearm = Vec3f(0.50f, -0.50f, -0.70f).normalized();
     return hand;
 }
 
@@ -62,7 +62,7 @@ Hand around_the_tube() {
                    Finger{{Vec3f(16, 92, 50), Vec3f(24, 64, 48), Vec3f(14, 50, 52), Vec3f(2, 48, 51)},
                           {9.1f, 7.6f, 7.0f, 6.4f}}};
     hand.wrist = Vec3f(0, 168, 27);
-    hand.elbow = hand.wrist + 125.0f * Vec3f(-0.15f, 0.97f, 0.12f);
+    hand.forearm = Vec3f(-0.15f, 0.97f, 0.12f).normalized();
     return hand;
 }
 
@@ -84,12 +84,36 @@ float united(float a, float b, float blend) {
     return std::min(a, b) - 0.25f * near * near / blend;
 }
 
-// Distance [mm] along the forearm from the wrist, of a point [mm].
-float along_forearm(const Hand& hand, const Vec3f& p) {
-    return (p - hand.wrist).dot((hand.elbow - hand.wrist).normalized());
-}
+constexpr float glove_end = 46.0f;  // [mm] along the forearm from the wrist
 
-constexpr float cuff_begin = 34.0f, cuff_end = 40.0f;  // [mm] along the forearm
+// The glove's rolled rim, and a gown's sleeve that comes out of it and ends near the elbow.
+Solid dressed_forearm(const Hand& hand) {
+    const auto rings = [&](std::initializer_list<std::array<float, 2>> profile) {
+        std::vector<Ring> path;
+        for (const auto& [along, radius] : profile) {
+            path.push_back({1e-3f * (hand.wrist + along * hand.forearm), 1e-3f * radius});
+        }
+        return path;
+    };
+    Solid solid = sweep(rings({{glove_end - 5, 24},
+                               {glove_end - 4, 26.2f},
+                               {glove_end - 2, 27},
+                               {glove_end, 26.2f},
+                               {glove_end + 1, 24}}),
+                        22, cuff);
+    solid.append(sweep(rings({{glove_end - 8, 22},
+                              {glove_end - 1, 24},
+                              {glove_end + 6, 28},
+                              {glove_end + 14, 31},
+                              {glove_end + 26, 31.5f},
+                              {glove_end + 38, 34},
+                              {glove_end + 56, 34.5f},
+                              {glove_end + 80, 38},
+                              {glove_end + 130, 42},
+                              {glove_end + 250, 50}}),
+                       22, sleeve));
+    return solid;
+}
 
 }  // namespace
 
@@ -113,10 +137,8 @@ float hand_distance(Grip grip, const Vec3f& point) {
     const Vec3f& thumb = hand.finger[0].joint[1];
     palm = united(palm, to_segment(p, thumb, hand.finger[1].joint[0], 8.0f, 8.0f), muscle);
     float all = united(fingers, palm, knuckle);
-    const float along = along_forearm(hand, p);
-    const float turned_up = along > cuff_begin - 4.0f && along < cuff_end ? 2.0f : 0.0f;
-    const float arm = to_segment(p, hand.wrist, hand.elbow, 23.0f + turned_up, 33.0f);
-    all = united(all, arm, muscle);
+    const Vec3f end = hand.wrist + (glove_end - 18.0f) * hand.forearm;
+    all = united(all, to_segment(p, hand.wrist, end, 23.0f, 24.0f), muscle);
     return 1e-3f * all;
 }
 
@@ -129,7 +151,7 @@ Solid gloved_hand(Grip grip, std::size_t triangles) {
         }
     }
     box.extend(hand.wrist);
-    box.extend(hand.elbow);
+    box.extend(hand.wrist + glove_end * hand.forearm);
     DistanceGrid field;
     field.spacing = spacing;
     const Vec3f margin = Vec3f::Constant(40e-3f);
@@ -156,9 +178,9 @@ Solid gloved_hand(Grip grip, std::size_t triangles) {
             normal[axis] = hand_distance(grip, vertex + aside) - hand_distance(grip, vertex - aside);
         }
         solid.vertices.push_back({vertex, normal.normalized()});
-        const float along = along_forearm(hand, 1e3f * vertex);
-        solid.colours.push_back(along > cuff_end ? sleeve : along > cuff_begin - 4 ? cuff : nitrile);
+        solid.colours.push_back(nitrile);
     }
+    solid.append(dressed_forearm(hand));
     return solid;
 }
 

@@ -17,11 +17,11 @@ enum class Grip : std::uint8_t {
     tube,    ///< the right hand's pinch of the tube between thumb and two fingers; see tube_grip()
 };
 
-/// Signed distance [m] of a gloved hand with its forearm in the frame of its grip: capsules of an adult's
+/// Signed distance [m] of a gloved hand in the frame of its grip: capsules of an adult's
 /// phalanges and metacarpals, blended within a finger and into the palm.
 [[nodiscard]] float hand_distance(Grip grip, const Vec3f& point);
 
-/// The hand's closed surface, of about `triangles` triangles. Takes some tenths of a second.
+/// The hand's closed surface, of about `triangles` triangles, and a sleeve. Takes some tenths of a second.
 [[nodiscard]] Solid gloved_hand(Grip grip, std::size_t triangles);
 
 /// Frame of the hand that holds the tube, `from_tip` [m] along the tube's `nodes` [m], which run from the

@@ -15,16 +15,18 @@ constexpr float unseen_shift = 0.4e-3f;  // [m]
 // The mattress stays where it is while the head's back is within this of its level: above it, the headrest is
 // thicker; below, thinner. [m]
 constexpr float thickest = 25e-3f, thinnest = 6e-3f;
-constexpr std::size_t hand_triangles = 2600;
+constexpr std::size_t fine_triangles = 6000, coarse_triangles = 900;  // of a hand
 
 GpuMesh mesh_of(const Solid& solid) {
     return {solid.triangles, solid.vertices, solid.colours};
 }
 
 // Meshing takes some tenths of a second; the shapes are the same in every scene.
-const Solid& hand_solid(Grip grip) {
-    static const Solid handle = gloved_hand(Grip::handle, hand_triangles);
-    static const Solid tube = gloved_hand(Grip::tube, hand_triangles);
+const std::array<Solid, 2>& hand_solids(Grip grip) {
+    const auto make = [](Grip of) {
+        return std::array{gloved_hand(of, fine_triangles), gloved_hand(of, coarse_triangles)};
+    };
+    static const std::array<Solid, 2> handle = make(Grip::handle), tube = make(Grip::tube);
     return grip == Grip::handle ? handle : tube;
 }
 
@@ -44,7 +46,15 @@ void RoomMeshes::build(const view::SceneView& scene, const Solid& blade) {
     bedding_.reset();
     bedding_mesh_.reset();
     const Furniture room = make_furniture(blade);
-    furniture_.emplace(mesh_of(room.dull));
+    furniture_.clear();
+    for (const Solid& part : room.dull) {
+        Eigen::AlignedBox3f box;
+        for (const view::LitVertex& vertex : part.vertices) {
+            box.extend(vertex.position);
+        }
+        furniture_.push_back(
+            {mesh_of(part), box.center(), 0.5f * box.diagonal().norm(), &part != &room.dull.back()});
+    }
     glowing_.emplace(mesh_of(room.glowing));
     Solid screen;
     const Vec3f towards_viewer = room.screen_down.cross(room.screen_right).normalized();
@@ -58,7 +68,8 @@ void RoomMeshes::build(const view::SceneView& scene, const Solid& blade) {
         }
     }
     screen.triangles = {{0, 2, 1}, {1, 2, 3}};
-    screen_.emplace(mesh_of(screen));
+    screen_.emplace(
+        Screen{mesh_of(screen), room.screen_centre, (room.screen_right + room.screen_down).norm()});
 }
 
 void RoomMeshes::rest(const view::SceneView& scene) {
@@ -81,12 +92,12 @@ void RoomMeshes::rest(const view::SceneView& scene) {
     const float above = bedding_ ? bedding_->rest().mattress - lowest(points) : 0.0f;
     if (!bedding_ || above > thickest || above < -thinnest) {
         bedding_.emplace(rest_of(body), body);
-        bedding_mesh_.emplace(bedding_->triangles(), bedding_->vertices(), bedding_->colours());
+        bedding_mesh_.emplace(*bedding_);
         pose_.translation =
             Vec3f(0.0f, bedding_->rest().mattress, bedding_->rest().head_top_z + mattress_margin);
     } else {
-        const auto count = static_cast<std::size_t>(bedding_->follow(body) * Bedding::columns);
-        bedding_mesh_->replace(bedding_->vertices().first(count), bedding_->colours().first(count));
+        const int rows = bedding_->follow(body);
+        bedding_mesh_->update(*bedding_, rows);
     }
     shaped_for_ = std::move(points);
 }
@@ -96,9 +107,10 @@ void RoomMeshes::hold(const view::SceneView& scene) {
     const auto add = [&](Grip grip, const RigidTransform& pose) {
         auto& mesh = hand_meshes_[static_cast<std::size_t>(grip)];
         if (!mesh) {
-            mesh.emplace(mesh_of(hand_solid(grip)));
+            const auto& [fine, coarse] = hand_solids(grip);
+            mesh.emplace(HandMeshes{mesh_of(fine), mesh_of(coarse)});
         }
-        hands_.push_back({&*mesh, pose});
+        hands_.push_back({&mesh->fine, &mesh->coarse, pose});
     };
     const auto& blade = scene.laryngoscope_pose();
     if (blade && !parked(*blade, Tool::laryngoscope)) {

@@ -4,12 +4,11 @@
 
 #include <array>
 #include <cstdint>
-#include <future>
 #include <optional>
 #include <vector>
 
 #include "client/render/mesh/gpu_mesh.hpp"
-#include "client/render/room/bedding.hpp"
+#include "client/render/room/bedding_mesh.hpp"
 #include "client/render/room/hand.hpp"
 #include "client/render/room/pulse_traces.hpp"
 #include "client/view/scene_view.hpp"
@@ -25,16 +24,29 @@ class RoomMeshes {
     /// Follows the scene's posture, tools and vital signs; waits for the hands' shapes on first use.
     void sync(const view::SceneView& scene);
 
-    [[nodiscard]] const std::optional<GpuMesh>& bedding() const { return bedding_mesh_; }
-    [[nodiscard]] const std::optional<GpuMesh>& furniture() const { return furniture_; }
+    /// A rigid part with its bounding sphere.
+    struct Part {
+        GpuMesh mesh;
+        Vec3f centre;
+        float radius;
+        bool near;  ///< on or beside the table
+    };
+    [[nodiscard]] const std::optional<BeddingMesh>& bedding() const { return bedding_mesh_; }
+    [[nodiscard]] std::span<const Part> furniture() const { return furniture_; }
     [[nodiscard]] const std::optional<GpuMesh>& glowing() const { return glowing_; }
-    [[nodiscard]] const std::optional<GpuMesh>& screen() const { return screen_; }
+    struct Screen {
+        GpuMesh mesh;
+        Vec3f centre;
+        float radius;
+    };
+    [[nodiscard]] const std::optional<Screen>& screen() const { return screen_; }
     /// Pose of furniture, glow and screen.
     [[nodiscard]] const RigidTransform& pose() const { return pose_; }
     [[nodiscard]] const PulseTraces& traces() const { return traces_; }
 
     struct Hand {
-        const GpuMesh* mesh = nullptr;
+        const GpuMesh* fine = nullptr;
+        const GpuMesh* coarse = nullptr;  ///< with fewer triangles
         RigidTransform pose;
     };
     /// The hands on tools that are in use.
@@ -50,8 +62,14 @@ class RoomMeshes {
     BodyOutline outline_;
     std::vector<Vec3f> shaped_for_;  ///< outline's points when the bedding was last shaped
     std::optional<Bedding> bedding_;
-    std::optional<GpuMesh> bedding_mesh_, furniture_, glowing_, screen_;
-    std::array<std::optional<GpuMesh>, 2> hand_meshes_;  ///< by Grip
+    std::optional<BeddingMesh> bedding_mesh_;
+    std::vector<Part> furniture_;
+    std::optional<GpuMesh> glowing_;
+    std::optional<Screen> screen_;
+    struct HandMeshes {
+        GpuMesh fine, coarse;
+    };
+    std::array<std::optional<HandMeshes>, 2> hand_meshes_;  ///< by Grip
     std::vector<Hand> hands_;
     RigidTransform pose_;
     PulseTraces traces_;

@@ -45,8 +45,8 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
     return {left, right};
 }
 
-const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::room,       Pass::tools,
-                                   Pass::liquid,      Pass::glottis, Pass::annotations};
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::hands,  Pass::patient, Pass::room,
+                                   Pass::tools,       Pass::liquid, Pass::glottis, Pass::annotations};
 
 const std::array table{
     View{.name = "eye",
@@ -70,6 +70,7 @@ const std::array table{
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::eye,
          .lips_retracted = true,
+         .near_only = true,
          .lens = true},
     View{.name = "overview",
          .key = '1',
@@ -77,10 +78,10 @@ const std::array table{
          .cameras = from_above,
          .lighting = overview_lighting,
          // An observer sees little of the lamp's light through the mouth, with or without lips.
-         .passes = {Pass::room_shadow, Pass::patient, Pass::room, Pass::tools, Pass::liquid,
+         .passes = {Pass::room_shadow, Pass::hands, Pass::patient, Pass::room, Pass::tools, Pass::liquid,
                     Pass::annotations},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight},
-         .background = Vec3f(0.035f, 0.065f, 0.075f),
+         .background = Vec3f(0.11f, 0.12f, 0.125f),
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::onlooker},
     View{.name = "section",
@@ -105,7 +106,8 @@ const std::array table{
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .auto_show = AutoShow::alone,
          .mouse_target = MouseTarget::eye,
-         .lips_retracted = true},
+         .lips_retracted = true,
+         .near_only = true},
 };
 
 }  // namespace
@@ -118,10 +120,10 @@ const View& headset_view() {
         .help = "the trainee's headset",
         .cameras = [](const view::SceneView&, const Vantage& from) { return from.headset_eyes; },
         .lighting = headset_lighting,
-        .passes = {Pass::lamp_shadow, Pass::patient, Pass::room, Pass::tools, Pass::liquid, Pass::glottis,
-                   Pass::annotations},
+        .passes = {Pass::lamp_shadow, Pass::hands, Pass::patient, Pass::room, Pass::tools, Pass::liquid,
+                   Pass::glottis, Pass::annotations},
         .overlays = {Overlay::gum_force, Overlay::sight_dot, Overlay::axes},
-        .background = Vec3f(0.035f, 0.065f, 0.075f),
+        .background = Vec3f(0.11f, 0.12f, 0.125f),
         .auto_show = AutoShow::alone,
         .mouse_target = MouseTarget::eye,
         .lips_retracted = true};

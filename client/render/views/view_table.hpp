@@ -22,7 +22,8 @@ enum class Pass : std::uint8_t {
     lamp_shadow,  ///< light 1, the laryngoscope's lamp, casts shadows
     caps,         ///< section faces; drawn before the patient, whom they largely occlude
     patient,
-    room,  ///< bedding, furniture, monitor, and hands on the tools
+    hands,  ///< on the tools; before the patient, many of whose pixels they hide
+    room,   ///< bedding, furniture and monitor
     tools,
     liquid,
     glottis,       ///< tinted glottic opening, if the session requests it
@@ -67,6 +68,7 @@ struct View {
     MouseTarget mouse_target = MouseTarget::eye;
     bool lips_retracted = false;  ///< the trainee's fingers retract the lips, see LipRetraction
     bool cut = false;             ///< cut along the vantage's section plane
+    bool near_only = false;       ///< without the room at a quality that has no walls
     bool lens = false;            ///< seen through a lens in the mouth, which can fog
 
     [[nodiscard]] bool has(Pass pass) const;

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // Matter of the room, outside the reach of the lamp: diffuse light per vertex. The colour's fourth component is
-// the gloss. Defines: FINE, ROOM_SHADOW, ENVIRONMENT.
+// the gloss. Defines: FINE, TERRY (the height apart from the place), ROOM_SHADOW, ENVIRONMENT.
 #include "scene/lights.glsl"
 #include "scene/linear_colour.glsl"
 #include "scene/shadow_places.glsl"
+#ifdef TERRY
+layout(location = 0) in vec2 place;
+layout(location = 7) in float height;
+#else
 layout(location = 0) in vec3 position;
+#endif
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 colour;
 uniform mat4 model;
@@ -19,6 +24,9 @@ out vec3 normal_at;
 out float gloss;
 #endif
 void main() {
+#ifdef TERRY
+    vec3 position = vec3(place.x, height, place.y);
+#endif
     vec4 p = model * vec4(position, 1.0);
     vec3 n = mat3(model) * normal;
     world = p.xyz;

@@ -121,6 +121,8 @@ TEST_F(PassState, IsRestoredByEveryPass) {
                     caps_.draw(context, meshes_);
                     expect_restored("caps");
                 }
+                room_.draw_hands(context, meshes_, shadows);
+                expect_restored("hands");
                 patient_.draw(context, meshes_, shadows);
                 expect_restored("patient");
                 room_.draw(context, meshes_, shadows);
