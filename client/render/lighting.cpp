@@ -10,7 +10,8 @@
 namespace eti::render {
 namespace {
 
-constexpr GLenum environment_unit = GL_TEXTURE6;  // shadow maps and the tube's backdrop use those before it
+// After the units of the passes: shadow maps, the tube's backdrop, tessellated faces.
+constexpr GLenum environment_unit = GL_TEXTURE12;
 const Vec3f room_ambient_high(0.34f, 0.36f, 0.40f), room_ambient_low(0.10f, 0.09f, 0.10f);
 
 }  // namespace

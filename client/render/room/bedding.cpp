@@ -15,7 +15,7 @@ namespace {
 
 constexpr float none = 1e3f;  // [m], far beyond any body
 
-const Vec3f towel(178, 184, 184), stripe(92, 150, 176);  // sRGB
+const Vec3f towel(158, 166, 168), stripe(92, 150, 176);  // sRGB
 
 int cell_of(float at, float from) {
     return static_cast<int>(std::floor((at - from) / BodyProfile::cell));
@@ -209,11 +209,12 @@ float sky_beside(const BodyProfile& body, const Vec3f& point) {
         return all;
     }();
     const int column = cell_of(point.x(), BodyProfile::left), row = cell_of(point.z(), BodyProfile::foot);
+    const bool overhead = on_map(column, row) && body.back[cell_index(column, row)] > -none;
     float left = 0.0f;
     for (const auto& along : steps) {
         // The body hides the band of elevations between its back and its front as seen from the point; a band
         // from a to b takes sin^2 b - sin^2 a of the light of this azimuth.
-        float low = 1.0f, high = 0.0f;
+        float low = 1.0f, high = overhead ? 1.0f : 0.0f;
         for (const Step& step : along) {
             const int x = column + step.column, z = row + step.row;
             if (!on_map(x, z)) {
@@ -320,9 +321,11 @@ void Bedding::shape(const BodyProfile& body, int row_count) {
     }
 }
 
-int Bedding::follow(const BodyProfile& body) {
+int Bedding::follow(const BodyProfile& body, float from_z) {
+    // A dent reaches a little beyond the body that makes it.
+    constexpr float beyond = 0.02f;  // [m]
     int row_count = 0;
-    while (row_count < rows && vertices_[index(0, row_count)].position.z() > rest_.neck_z - 0.02f) {
+    while (row_count < rows && vertices_[index(0, row_count)].position.z() > from_z - beyond) {
         ++row_count;
     }
     shape(body, row_count);

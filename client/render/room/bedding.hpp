@@ -70,8 +70,9 @@ class Bedding {
     Bedding() = default;
     Bedding(const Rest& rest, const BodyProfile& body);
 
-    /// Follows the head to its present place; returns how many rows, from the first, may have changed.
-    int follow(const BodyProfile& body);
+    /// Follows the part of the body that has moved: what lies at `from_z` [m] and towards the head. Returns
+    /// how many rows, from the first, may have changed.
+    int follow(const BodyProfile& body, float from_z);
 
     [[nodiscard]] std::span<const view::LitVertex> vertices() const { return vertices_; }
     /// Darkened where the body hides the room.

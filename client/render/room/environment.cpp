@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "common/math/smoothstep.hpp"
@@ -32,12 +33,13 @@ float inside(float distance, float half, float edge) {
 
 const std::array<Softbox, 5>& softboxes() {
     static const std::array boxes{
-        // Two luminaires in the ceiling, the examination lamp (light 0 of a view), the warmer, the window.
+        // Two luminaires in the ceiling, the warmer, the window; last the examination lamp: light 0 of a
+        // view.
         softbox({-0.55f, -1.0f, -0.15f}, Vec3f::UnitX(), 0.13f, 0.55f, Vec3f(2.3f, 2.4f, 2.5f)),
         softbox({0.75f, -1.0f, -0.35f}, Vec3f::UnitX(), 0.13f, 0.55f, Vec3f(2.3f, 2.4f, 2.5f)),
-        softbox({0.30f, -0.75f, 0.40f}, Vec3f::UnitX(), 0.16f, 0.16f, Vec3f(3.2f, 3.0f, 2.8f)),
         softbox({0.0f, -0.8f, -0.45f}, Vec3f::UnitX(), 0.22f, 0.06f, Vec3f(1.6f, 0.75f, 0.35f)),
         softbox({1.0f, -0.28f, 0.25f}, Vec3f::UnitZ(), 0.42f, 0.24f, Vec3f(1.5f, 1.75f, 2.1f)),
+        softbox({0.30f, -0.75f, 0.40f}, Vec3f::UnitX(), 0.16f, 0.16f, Vec3f(3.2f, 3.0f, 2.8f)),
     };
     return boxes;
 }
@@ -63,18 +65,17 @@ std::array<float, 9> harmonics(const Vec3f& n) {
             3.0f * n.z() * n.z() - 1.0f};
 }
 
-}  // namespace
-
-Vec3f room_radiance(const Vec3f& direction) {
+// The room with these of its lights.
+Vec3f radiance_of(const Vec3f& direction, std::span<const Softbox> boxes) {
     const float up = -direction.y();
-    const Vec3f ceiling(0.40f, 0.41f, 0.42f), wall(0.30f, 0.33f, 0.35f), floor(0.10f, 0.10f, 0.11f);
-    const Vec3f bed(0.17f, 0.17f, 0.17f);  // the towel, from close above it
+    const Vec3f ceiling(0.26f, 0.27f, 0.28f), wall(0.17f, 0.18f, 0.19f), floor(0.05f, 0.05f, 0.055f);
+    const Vec3f bed(0.09f, 0.09f, 0.09f);  // the towel, from close above it
     Vec3f seen = up > 0.0f ? Vec3f(wall + smoothstep(0.45f, 0.60f, up) * (ceiling - wall))
                            : Vec3f(wall + smoothstep(0.05f, 0.20f, -up) * (floor - wall));
     seen += smoothstep(0.45f, 0.75f, -up) * (bed - seen);
     // Skirting and equipment darken the horizon.
     seen *= 1.0f - 0.45f * std::exp(-60.0f * (up + 0.05f) * (up + 0.05f));
-    for (const Softbox& box : softboxes()) {
+    for (const Softbox& box : boxes) {
         const float ahead = direction.dot(box.towards);
         if (ahead > 0.1f) {
             const float share = inside(direction.dot(box.across) / ahead, box.half_across, 0.03f) *
@@ -83,6 +84,12 @@ Vec3f room_radiance(const Vec3f& direction) {
         }
     }
     return seen;
+}
+
+}  // namespace
+
+Vec3f room_radiance(const Vec3f& direction) {
+    return radiance_of(direction, softboxes());
 }
 
 Irradiance irradiance_of(const Radiance& radiance) {
@@ -112,7 +119,10 @@ Irradiance irradiance_of(const Radiance& radiance) {
 }
 
 const Irradiance& room_irradiance() {
-    static const Irradiance irradiance = irradiance_of(room_radiance);
+    static const Irradiance irradiance = irradiance_of([](const Vec3f& direction) {
+        // The examination lamp's light is that of a view's light 0.
+        return radiance_of(direction, std::span(softboxes()).first(softboxes().size() - 1));
+    });
     return irradiance;
 }
 

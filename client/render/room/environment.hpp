@@ -24,7 +24,7 @@ using Radiance = std::function<Vec3f(const Vec3f&)>;
 using Irradiance = std::array<Vec3f, 9>;
 
 [[nodiscard]] Irradiance irradiance_of(const Radiance& radiance);
-/// That of room_radiance().
+/// That of room_radiance() without the examination lamp, which is light 0 of a view.
 [[nodiscard]] const Irradiance& room_irradiance();
 [[nodiscard]] Vec3f evaluate(const Irradiance& irradiance, const Vec3f& normal);
 

@@ -15,10 +15,10 @@ namespace {
 constexpr float middle_z = -0.5f * mattress_length;
 constexpr float floor_y = 0.93f, ceiling_y = -1.75f, wall = 2.3f;  // [m]
 
-const VertexColour enamel{214, 218, 216, 90}, vinyl{74, 124, 150, 70}, housing{60, 66, 72, 80},
-    steel{186, 190, 196, 255}, drape{66, 122, 112, 0}, silicone{196, 208, 214, 170},
+const VertexColour enamel{188, 194, 194, 90}, vinyl{74, 124, 150, 70}, housing{60, 66, 72, 80},
+    steel{186, 190, 196, 255}, drape{74, 112, 112, 0}, silicone{196, 208, 214, 170},
     hose_blue{118, 160, 200, 120}, clear_hose{206, 216, 220, 190}, green{60, 160, 90, 120},
-    gauze{232, 232, 228, 0}, hub{46, 96, 178, 130};
+    gauze{200, 202, 200, 0}, hub{46, 96, 178, 130};
 
 // The stand with mattress, rails, column and warmer.
 void add_resuscitaire(Furniture& room) {
@@ -82,7 +82,7 @@ void add_airway_aids(Solid& to) {
 
 // A trolley to the patient's right with a steel tray: a spare laryngoscope, tubes, gauze.
 void add_trolley(Solid& to, const Solid& blade) {
-    const Vec3f top(-0.395f, 0.030f, -0.125f);
+    const Vec3f top(-0.405f, 0.030f, -0.085f);
     to.append(rounded_box(top + Vec3f(0.0f, 0.012f, 0.0f), {0.115f, 0.014f, 0.25f}, 0.010f, drape));
     to.append(rounded_box(top + Vec3f(0.0f, 0.45f, 0.0f), {0.02f, 0.42f, 0.02f}, 0.005f, steel));
     to.append(rounded_box({top.x(), floor_y - 0.03f, top.z()}, {0.11f, 0.02f, 0.22f}, 0.01f, housing));
@@ -124,7 +124,7 @@ void add_trolley(Solid& to, const Solid& blade) {
 // The monitor on the right rail, turned to the operator and to the room.
 void add_monitor(Furniture& room) {
     constexpr float half_width = 0.098f, half_height = 0.060f;
-    const Vec3f centre(-0.300f, -0.080f, -0.345f);
+    const Vec3f centre(-0.338f, -0.082f, -0.275f);
     Mat3f axes;  // to the right as seen, down, back
     axes.col(2) = -Vec3f(0.80f, -0.22f, 0.56f).normalized();
     axes.col(0) = Vec3f::UnitY().cross(axes.col(2)).normalized();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "client/render/room/furniture.hpp"
 #include "common/model/tools/parked_pose.hpp"
@@ -77,15 +78,13 @@ void RoomMeshes::rest(const view::SceneView& scene) {
     if (points.empty()) {
         return;
     }
-    const auto moved = [&] {
-        for (std::size_t k = 0; k < points.size(); ++k) {
-            if (!((points[k] - shaped_for_[k]).squaredNorm() < unseen_shift * unseen_shift)) {
-                return true;
-            }
+    float moved_from = std::numeric_limits<float>::infinity();  // [m], z
+    for (std::size_t k = 0; bedding_ && k < points.size(); ++k) {
+        if (!((points[k] - shaped_for_[k]).squaredNorm() < unseen_shift * unseen_shift)) {
+            moved_from = std::min({moved_from, points[k].z(), shaped_for_[k].z()});
         }
-        return false;
-    };
-    if (bedding_ && !moved()) {
+    }
+    if (bedding_ && std::isinf(moved_from)) {
         return;
     }
     const BodyProfile body = profile_of(points);
@@ -96,7 +95,7 @@ void RoomMeshes::rest(const view::SceneView& scene) {
         pose_.translation =
             Vec3f(0.0f, bedding_->rest().mattress, bedding_->rest().head_top_z + mattress_margin);
     } else {
-        const int rows = bedding_->follow(body);
+        const int rows = bedding_->follow(body, moved_from);
         bedding_mesh_->update(*bedding_, rows);
     }
     shaped_for_ = std::move(points);

@@ -9,7 +9,7 @@ uniform float opacity;
 uniform mat4 model;
 float lattice(float x) { return fract(sin(x * 12.9898) * 43758.5453); }
 #ifdef ENVIRONMENT
-vec3 room(vec3 r) { return mirrored(r, 0.22); }
+vec3 room(vec3 r) { return 1.7 * mirrored(r, 0.22); }
 #else
 // The reflected room: the light's panel, the ceiling, a dark band at the horizon, the table.
 vec3 room(vec3 r) {

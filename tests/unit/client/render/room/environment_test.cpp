@@ -13,20 +13,22 @@ namespace {
 
 Vec3f direction_of(Random& random) {
     for (;;) {
-        const Vec3f p(2.0f * random.uniform() - 1.0f, 2.0f * random.uniform() - 1.0f, 2.0f * random.uniform() - 1.0f);
+        const Vec3f p(2.0f * random.uniform() - 1.0f, 2.0f * random.uniform() - 1.0f,
+                      2.0f * random.uniform() - 1.0f);
         if (p.norm() > 0.1f && p.norm() < 1.0f) {
             return p.normalized();
         }
     }
 }
 
-// Closed forms of irradiance / pi: a uniform sky gives its radiance; a radiance max(a . d, 0) hardly fits, but a
-// radiance a . d gives 2/3 of a . n, and (a . d)^2 gives 1/4 + (a . n)^2 / 4.
+// Closed forms of irradiance / pi: a uniform sky gives its radiance; a radiance max(a . d, 0) hardly fits,
+// but a radiance a . d gives 2/3 of a . n, and (a . d)^2 gives 1/4 + (a . n)^2 / 4.
 TEST(Irradiance, MatchesClosedForms) {
     const Vec3f a = Vec3f(1.0f, -2.0f, 0.5f).normalized();
     const Irradiance uniform = irradiance_of([](const Vec3f&) { return Vec3f(0.2f, 0.5f, 0.9f); });
     const Irradiance linear = irradiance_of([&](const Vec3f& d) { return Vec3f::Constant(a.dot(d)); });
-    const Irradiance square = irradiance_of([&](const Vec3f& d) { return Vec3f::Constant(a.dot(d) * a.dot(d)); });
+    const Irradiance square =
+        irradiance_of([&](const Vec3f& d) { return Vec3f::Constant(a.dot(d) * a.dot(d)); });
     Random random(5);
     for (int k = 0; k < 200; ++k) {
         const Vec3f n = direction_of(random);
@@ -38,10 +40,11 @@ TEST(Irradiance, MatchesClosedForms) {
     }
 }
 
-// Half a sky: (1 + cos) / 2 of its radiance, which is not of the second order: Ramamoorthi & Hanrahan 2001 bound
-// the error by 9 % of the maximum.
+// Half a sky: (1 + cos) / 2 of its radiance, which is not of the second order: Ramamoorthi & Hanrahan 2001
+// bound the error by 9 % of the maximum.
 TEST(Irradiance, ApproximatesHalfASky) {
-    const Irradiance half = irradiance_of([](const Vec3f& d) { return Vec3f::Constant(d.y() < 0.0f ? 1.0f : 0.0f); });
+    const Irradiance half =
+        irradiance_of([](const Vec3f& d) { return Vec3f::Constant(d.y() < 0.0f ? 1.0f : 0.0f); });
     Random random(6);
     for (int k = 0; k < 200; ++k) {
         const Vec3f n = direction_of(random);
@@ -59,7 +62,9 @@ TEST(Irradiance, OfTheRoomAgreesWithLowQuality) {
 
 TEST(Environment, ReflectionOfASmoothRoomIsTheRoom) {
     Random random(7);
-    const Radiance smooth = [](const Vec3f& d) { return Vec3f(1.0f + 0.5f * d.x(), 1.0f, 1.0f - 0.5f * d.z()); };
+    const Radiance smooth = [](const Vec3f& d) {
+        return Vec3f(1.0f + 0.5f * d.x(), 1.0f, 1.0f - 0.5f * d.z());
+    };
     for (int k = 0; k < 50; ++k) {
         const Vec3f d = direction_of(random);
         EXPECT_LT((prefiltered(smooth, d, 0.1f, 64) - smooth(d)).norm(), 0.01f);

@@ -12,8 +12,8 @@
 namespace eti::render {
 namespace {
 
-// Edges that are not shared by exactly two triangles which traverse them in opposite directions, with vertices at
-// the same place counted as one.
+// Edges that are not shared by exactly two triangles which traverse them in opposite directions, with
+// vertices at the same place counted as one.
 int open_edges(const Solid& solid) {
     std::map<std::array<int, 3>, int> places;
     const auto place = [&](std::uint32_t vertex) {
@@ -31,7 +31,8 @@ int open_edges(const Solid& solid) {
             a < b ? ++balance[{a, b}] : --balance[{b, a}];
         }
     }
-    return static_cast<int>(std::ranges::count_if(balance, [](const auto& edge) { return edge.second != 0; }));
+    return static_cast<int>(
+        std::ranges::count_if(balance, [](const auto& edge) { return edge.second != 0; }));
 }
 
 double volume(const Solid& solid) {
@@ -60,7 +61,8 @@ TEST(Solid, HoseIsClosedAndFilled) {
     for (std::size_t k = 1; k < path.size(); ++k) {
         length += (path[k] - path[k - 1]).norm();
     }
-    // A polygon of n sides in a circle: n sin(2 pi / n) / 2 of the squared radius; bends overlap by some per cent.
+    // A polygon of n sides in a circle: n sin(2 pi / n) / 2 of the squared radius; bends overlap by some per
+    // cent.
     const double section = 0.5 * 10 * std::sin(0.2 * 3.14159265) * 0.004 * 0.004;
     EXPECT_NEAR(volume(solid), section * length, 0.03 * section * length);
 }
@@ -109,7 +111,8 @@ TEST(Hand, IsClosedAndFollowsItsDistance) {
     }
 }
 
-// The handle has a radius of 9 mm. Pads of fingers press against it from several sides, none enters it deeply.
+// The handle has a radius of 9 mm. Pads of fingers press against it from several sides, none enters it
+// deeply.
 TEST(Hand, WrapsTheHandle) {
     const Capsule handle = make_laryngoscope(Blade::miller_1).capsules[0];
     std::set<int> sides;
@@ -152,7 +155,8 @@ TEST(Hand, TubeGripLiesOnTheTube) {
     ASSERT_TRUE(pose);
     const float turn = 90.0f * degree - from_tip / 0.1f;
     // Chords of 3.1 mm leave the circle by 0.012 mm, and are shorter by 4e-5 of it.
-    EXPECT_NEAR((pose->translation - Vec3f(0, 0.1f * std::sin(turn), 0.1f * std::cos(turn))).norm(), 0.0f, 5e-5f);
+    EXPECT_NEAR((pose->translation - Vec3f(0, 0.1f * std::sin(turn), 0.1f * std::cos(turn))).norm(), 0.0f,
+                5e-5f);
     const Vec3f tangent(0, std::cos(turn), -std::sin(turn));
     EXPECT_GT((pose->rotation * Vec3f::UnitZ()).dot(tangent), std::cos(1.0f * degree));
     EXPECT_LT((pose->rotation * Vec3f::UnitY()).x(), 0.0f) << "the wrist is on the operator's right";

@@ -26,8 +26,8 @@ TEST(PulseTraces, BeatAtTheRate) {
     traces.update(100.0, 150.0);
     // 2.5 a second on a screen of 4 s; the sweep may cut one.
     EXPECT_NEAR(r_waves(traces), 10, 1);
-    EXPECT_DOUBLE_EQ(traces.beats().back() - traces.beats().front(),
-                     0.4 * static_cast<double>(traces.beats().size() - 1));
+    EXPECT_NEAR(traces.beats().back() - traces.beats().front(),
+                0.4 * static_cast<double>(traces.beats().size() - 1), 1e-9);
 }
 
 TEST(PulseTraces, KeepTheirBeatsAsTheRateChanges) {
