@@ -26,7 +26,7 @@ void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
         for (std::size_t k = 0; k < room.size(); ++k) {
             program.set(fmt::format("irradiance[{}]", k), room[k]);
         }
-        program.set("environment_gain", ambient_high.sum() / room_ambient_high.sum());
+        program.set("environment_gain", ambient_high.mean() / evaluate(room, -Vec3f::UnitY()).mean());
         program.set("environment_map", static_cast<int>(environment_unit - GL_TEXTURE0));
         program.set("roughest_level", EnvironmentMap::rough_level);
         glActiveTexture(environment_unit);

@@ -30,7 +30,7 @@ struct Lighting {
     std::array<Light, 2> lights{};
     Vec3f ambient_high = Vec3f::Zero();  ///< linear, from the ceiling (the patient's anterior)
     Vec3f ambient_low = Vec3f::Zero();   ///< linear, from the table
-    /// Replaces the two colours above, in whose ratio to the room's it shines; may be null.
+    /// Replaces the two colours above, as bright from the ceiling as the first; may be null.
     const EnvironmentMap* environment = nullptr;
     float occlusion = 1.0f;  ///< 0-1: how much ambient light occluded cavities lose; 0 for a section
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <set>
 
 #include "common/math/smoothstep.hpp"
 
@@ -91,40 +91,24 @@ float BodyProfile::front_at(float x, float z) const {
 }
 
 void BodyOutline::build(const view::SceneView& scene) {
+    // A point stands for the cells of the profile beside its own, 15 mm, which leaves no gap. Between points
+    // of a head of 45 mm radius lie at most 10^2 / (8 x 45) = 0.3 mm.
+    constexpr float apart = 10e-3f;  // [m]
     points_.clear();
-    struct Extreme {
-        float y = none;
-        const bus::RestSurface* surface = nullptr;
-        std::size_t vertex = 0;
-    };
-    // A point stands for the cells beside its own: one per two by two suffices.
-    constexpr int blocks = BodyProfile::width / 2;
-    std::vector<std::array<Extreme, 2>> extremes(static_cast<std::size_t>(blocks * BodyProfile::length / 2));
+    std::set<std::array<int, 3>> taken;
     for (const auto& [name, surface] : scene.surfaces()) {
         const bus::RestSurface& model = surface.model();
         if (!outlines(model.tissue)) {
             continue;
         }
         for (std::size_t v = 0; v < model.mesh.vertices.size(); ++v) {
-            const Vec3f& p = model.mesh.vertices[v];
-            const int column = cell_of(p.x(), BodyProfile::left), row = cell_of(p.z(), BodyProfile::foot);
-            if (!on_map(column, row)) {
-                continue;
+            std::array<int, 3> block{};
+            for (int axis = 0; axis < 3; ++axis) {
+                block[static_cast<std::size_t>(axis)] =
+                    static_cast<int>(std::floor(model.mesh.vertices[v][axis] / apart));
             }
-            auto& [back, front] = extremes[static_cast<std::size_t>(row / 2 * blocks + column / 2)];
-            if (-p.y() < back.y) {
-                back = {-p.y(), &model, v};
-            }
-            if (p.y() < front.y) {
-                front = {p.y(), &model, v};
-            }
-        }
-    }
-    for (const auto& both : extremes) {
-        for (const Extreme& extreme : both) {
-            if (extreme.surface != nullptr) {
-                points_.push_back(
-                    {extreme.surface->mesh.vertices[extreme.vertex], extreme.surface->skin[extreme.vertex]});
+            if (taken.insert(block).second) {
+                points_.push_back({model.mesh.vertices[v], model.skin[v]});
             }
         }
     }

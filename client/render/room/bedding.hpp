@@ -32,11 +32,10 @@ struct BodyProfile {
 
 [[nodiscard]] BodyProfile profile_of(std::span<const Vec3f> points);
 
-/// Points of a body that outline it from below and above: one of each kind per two by two
-/// cells at rest.
+/// Points of a body's surfaces, evenly spread, from which its profile in any posture follows.
 class BodyOutline {
   public:
-    /// Chooses the points; the body's surfaces are those of the scene that a viewer sees.
+    /// Chooses the points.
     void build(const view::SceneView& scene);
     /// The points [m] in the scene's current posture.
     [[nodiscard]] std::vector<Vec3f> points(const view::SceneView& scene) const;

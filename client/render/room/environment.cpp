@@ -35,8 +35,8 @@ const std::array<Softbox, 5>& softboxes() {
     static const std::array boxes{
         // Two luminaires in the ceiling, the warmer, the window; last the examination lamp: light 0 of a
         // view.
-        softbox({-0.55f, -1.0f, -0.15f}, Vec3f::UnitX(), 0.13f, 0.55f, Vec3f(2.3f, 2.4f, 2.5f)),
-        softbox({0.75f, -1.0f, -0.35f}, Vec3f::UnitX(), 0.13f, 0.55f, Vec3f(2.3f, 2.4f, 2.5f)),
+        softbox({-0.55f, -1.0f, -0.15f}, Vec3f::UnitX(), 0.13f, 0.55f, Vec3f(1.35f, 1.4f, 1.45f)),
+        softbox({0.75f, -1.0f, -0.35f}, Vec3f::UnitX(), 0.13f, 0.55f, Vec3f(1.35f, 1.4f, 1.45f)),
         softbox({0.0f, -0.8f, -0.45f}, Vec3f::UnitX(), 0.22f, 0.06f, Vec3f(1.6f, 0.75f, 0.35f)),
         softbox({1.0f, -0.28f, 0.25f}, Vec3f::UnitZ(), 0.42f, 0.24f, Vec3f(1.5f, 1.75f, 2.1f)),
         softbox({0.30f, -0.75f, 0.40f}, Vec3f::UnitX(), 0.16f, 0.16f, Vec3f(3.2f, 3.0f, 2.8f)),

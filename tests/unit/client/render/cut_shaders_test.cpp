@@ -15,9 +15,9 @@
 namespace eti {
 namespace {
 
-constexpr int side = 512;         // pixels
-constexpr float half = 0.025f;    // [m], of what they show
-constexpr float radius = 0.02f;   // [m], of the surfaces shown
+constexpr int side = 512;             // pixels
+constexpr float half = 0.025f;        // [m], of what they show
+constexpr float radius = 0.02f;       // [m], of the surfaces shown
 constexpr float cut_height = 0.005f;  // [m], of the cut above the middle
 constexpr double metres = 2.0 * half / side;
 

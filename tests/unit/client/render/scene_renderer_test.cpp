@@ -157,7 +157,9 @@ TEST_F(SceneRendererTest, PicturesAreLitAndBitIdentical) {
 
 // The refracting wall shows more of what lies behind than an opaque one; towards the rim it is displaced.
 TEST_F(SceneRendererTest, TubeIsTranslucent) {
-    const View& view = named("overview");
+    // Without the bright towel, from which white plastic hardly differs.
+    View view = named("overview");
+    std::erase(view.passes, render::Pass::room);
     view::SceneView bare;
     bare.apply(source_.description);
     for (const msg::SceneDescription& object : source_.objects) {
@@ -169,7 +171,7 @@ TEST_F(SceneRendererTest, TubeIsTranslucent) {
         render::SceneRenderer renderer(*render::quality_named(quality));
         const auto drawn = [&](const view::SceneView& scene, Shading shading) {
             renderer.sync(scene);
-            renderer.draw(view, scene, target_, {0, 0, width, height}, {}, shading);
+            renderer.draw(view, scene, target_, {0, 0, width, height}, {.hands = false}, shading);
             return target_.read();
         };
         const render::Image ids = drawn(scene_, Shading::object_id);

@@ -113,7 +113,8 @@ TEST_F(BeddingTest, FollowsTheHeadAtAnyElevation) {
             (void)bedding.follow(profile(), -1.0f);
             const Depths depths = this->depths(bedding);
             EXPECT_GT(depths.of_lowest, -2.0f * facets) << turn << " " << down;
-            EXPECT_LT(depths.deepest, 2.0f * facets) << turn << " " << down;
+            // The outline has a point per 10 mm: flanks of 35 degrees may stand 7 mm deeper beside one.
+            EXPECT_LT(depths.deepest, 8e-3f) << turn << " " << down;
         }
     }
 }
