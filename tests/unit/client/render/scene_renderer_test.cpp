@@ -194,7 +194,8 @@ TEST_F(SceneRendererTest, TubeIsTranslucent) {
         return sum / pixels;
     };
     const double covered = difference("low"), clear = difference("medium");
-    EXPECT_LT(clear, 0.8 * covered);
+    // The clear tube also mirrors the room, which the covering one does not.
+    EXPECT_LT(clear, 0.9 * covered);
     EXPECT_GT(clear, 5.0) << "it is not invisible";
 }
 
