@@ -173,6 +173,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                    "Start with a loupe of this magnification before the trainee's eye; 1: without (key 8)",
                    {1.0f, render::Loupe::max_magnification})
         .capture_default_str();
+    app.add_flag("!--no-hands", options.vantage.hands, "Show the tools without the hands that hold them");
     const auto offscreen = app.add_option("--offscreen", options.offscreen,
                                           "Render without a display; write pictures to this folder");
     const auto video =

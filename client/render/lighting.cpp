@@ -8,12 +8,31 @@
 #include <fmt/format.h>
 
 namespace eti::render {
+namespace {
+
+// After the units of the passes: shadow maps, the tube's backdrop, tessellated faces.
+constexpr GLenum environment_unit = GL_TEXTURE12;
+const Vec3f room_ambient_high(0.34f, 0.36f, 0.40f), room_ambient_low(0.10f, 0.09f, 0.10f);
+
+}  // namespace
 
 void Lighting::apply(ShaderProgram& program, const Vec3f& eye) const {
     program.set("eye", eye);
     program.set("ambient_high", ambient_high);
     program.set("ambient_low", ambient_low);
     program.set("occlusion", occlusion);
+    if (environment != nullptr) {
+        const Irradiance& room = room_irradiance();
+        for (std::size_t k = 0; k < room.size(); ++k) {
+            program.set(fmt::format("irradiance[{}]", k), room[k]);
+        }
+        program.set("environment_gain", ambient_high.mean() / evaluate(room, -Vec3f::UnitY()).mean());
+        program.set("environment_map", static_cast<int>(environment_unit - GL_TEXTURE0));
+        program.set("roughest_level", EnvironmentMap::rough_level);
+        glActiveTexture(environment_unit);
+        glBindTexture(GL_TEXTURE_CUBE_MAP, environment->texture().name());
+        glActiveTexture(GL_TEXTURE0);
+    }
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const Light& light = lights[i];
         program.set(fmt::format("light_position[{}]", i), light.position);
@@ -81,8 +100,8 @@ Lighting room_lighting(const Vec3f& onto, const std::optional<Light>& lamp) {
     if (lamp) {
         lighting.lights[1] = *lamp;
     }
-    lighting.ambient_high = Vec3f(0.34f, 0.36f, 0.40f);
-    lighting.ambient_low = Vec3f(0.10f, 0.09f, 0.10f);
+    lighting.ambient_high = room_ambient_high;
+    lighting.ambient_low = room_ambient_low;
     return lighting;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "client/render/gl/shader_program.hpp"
+#include "client/render/room/environment.hpp"
 #include "client/render/views/camera.hpp"
 #include "common/math/transform.hpp"
 #include "common/model/landmark.hpp"
@@ -29,6 +30,8 @@ struct Lighting {
     std::array<Light, 2> lights{};
     Vec3f ambient_high = Vec3f::Zero();  ///< linear, from the ceiling (the patient's anterior)
     Vec3f ambient_low = Vec3f::Zero();   ///< linear, from the table
+    /// Replaces the two colours above, as bright from the ceiling as the first; may be null.
+    const EnvironmentMap* environment = nullptr;
     float occlusion = 1.0f;  ///< 0-1: how much ambient light occluded cavities lose; 0 for a section
 
     /// Sets the program's uniforms; the program must be in use.

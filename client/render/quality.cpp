@@ -14,7 +14,7 @@ namespace {
 constexpr std::array quality_table{
     Quality{.name = "low",
             .help = "one sample per pixel, 512-texel shadows, soft only in front of the lens, no fine "
-                    "relief, outlines as coarse as the surfaces, no refraction in the tube",
+                    "relief, outlines as coarse as the surfaces, no refraction in the tube, no walls",
             .samples = 1,
             .shadow_size = 512,
             .coarse_shadows = true,
@@ -23,9 +23,11 @@ constexpr std::array quality_table{
             .lit_at_vertices = true,
             .refraction = false,
             .fine_outlines = false,
+            .environment = false,
+            .walls = false,
             .fine = false},
     Quality{.name = "medium",
-            .help = "two samples per pixel, 1024-texel shadows, fine relief",
+            .help = "two samples per pixel, 1024-texel shadows, fine relief, reflections of the room",
             .samples = 2,
             .shadow_size = 1024,
             .coarse_shadows = false,
@@ -34,9 +36,11 @@ constexpr std::array quality_table{
             .lit_at_vertices = false,
             .refraction = true,
             .fine_outlines = true,
+            .environment = true,
+            .walls = true,
             .fine = true},
     Quality{.name = "high",
-            .help = "four samples per pixel, soft 2048-texel shadows, fine relief",
+            .help = "four samples per pixel, soft 2048-texel shadows, fine relief, reflections of the room",
             .samples = 4,
             .shadow_size = 2048,
             .coarse_shadows = false,
@@ -45,6 +49,8 @@ constexpr std::array quality_table{
             .lit_at_vertices = false,
             .refraction = true,
             .fine_outlines = true,
+            .environment = true,
+            .walls = true,
             .fine = true},
 };
 

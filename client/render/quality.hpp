@@ -20,6 +20,8 @@ struct Quality {
                            ///< pixels wide
     bool refraction;       ///< the tube refracts the background; otherwise it only blends with it
     bool fine_outlines;    ///< long outline edges are subdivided and curved, per view
+    bool environment;      ///< ambient light and reflections by direction, from the room; else two colours
+    bool walls;            ///< the room as far as its walls; otherwise the table in a plain surrounding
     bool fine;             ///< pores, vessels and relief of the wet coat, computed per pixel
 };
 

@@ -64,7 +64,11 @@ void place(ShaderProgram& program, const DrawContext& context, const Eigen::Matr
     program.set("clip_plane", clip_plane);
 }
 
-SceneRenderer::SceneRenderer(const Quality& quality) : quality_(quality), shadows_(quality) {}
+SceneRenderer::SceneRenderer(const Quality& quality) : quality_(quality), shadows_(quality) {
+    if (quality.environment) {
+        environment_.emplace();
+    }
+}
 
 void SceneRenderer::sync(const view::SceneView& scene, Baking baking) {
     loss_.throw_if_lost();
@@ -87,12 +91,16 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         const Viewport part = part_of(area, static_cast<int>(i), static_cast<int>(cameras.size()));
         const Camera& camera = cameras[i];
+        Lighting lighting = view.lighting(camera, lamp);
+        if (environment_ && !view.cut && !view.lens) {
+            lighting.environment = &*environment_;
+        }
         const DrawContext context{view,
                                   scene,
                                   from,
                                   quality_,
                                   camera,
-                                  view.lighting(camera, lamp),
+                                  lighting,
                                   camera.projection(part.aspect()) * camera.view(),
                                   view.cut ? cut.kept() : no_clipping,
                                   cut,
@@ -127,8 +135,11 @@ void SceneRenderer::run(Pass pass, const DrawContext& context) {
         case Pass::patient:
             patient_.draw(context, meshes_, shadows_);
             break;
-        case Pass::table:
-            tools_.draw_table(context, meshes_, shadows_);
+        case Pass::hands:
+            room_.draw_hands(context, meshes_, shadows_);
+            break;
+        case Pass::room:
+            room_.draw(context, meshes_, shadows_);
             break;
         case Pass::tools:
             tools_.draw(context, meshes_, shadows_);

@@ -2,6 +2,8 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
+
 #include "client/render/draw_context.hpp"
 #include "client/render/gl/context_loss.hpp"
 #include "client/render/gl/render_target.hpp"
@@ -11,6 +13,7 @@
 #include "client/render/passes/glottis_pass.hpp"
 #include "client/render/passes/liquid_surface.hpp"
 #include "client/render/passes/patient_pass.hpp"
+#include "client/render/passes/room_pass.hpp"
 #include "client/render/passes/shadow_pass.hpp"
 #include "client/render/passes/tone_pass.hpp"
 #include "client/render/passes/tools_pass.hpp"
@@ -43,8 +46,10 @@ class SceneRenderer {
     ContextLossMonitor loss_;
     SceneMeshes meshes_;
     ShadowPass shadows_;
+    std::optional<EnvironmentMap> environment_;
     CapsPass caps_;
     PatientPass patient_;
+    RoomPass room_;
     ToolsPass tools_;
     LiquidSurface liquid_;
     GlottisPass glottis_;

@@ -20,7 +20,9 @@ struct PackedTubeVertex {
 };
 static_assert(sizeof(PackedTubeVertex) == 20 && offsetof(PackedTubeVertex, from_tip) == 16);
 
-std::uint32_t ten_bits(const Vec3f& normal) {
+}  // namespace
+
+std::uint32_t packed_normal(const Vec3f& normal) {
     std::uint32_t packed = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const auto value = static_cast<std::int32_t>(std::lround(511.0f * normal[axis]));
@@ -28,8 +30,6 @@ std::uint32_t ten_bits(const Vec3f& normal) {
     }
     return packed;
 }
-
-}  // namespace
 
 void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,
                std::size_t offset) {
@@ -67,7 +67,7 @@ void GpuMesh::upload(std::span<const view::TubeVertex> vertices) {
     std::vector<PackedTubeVertex> packed;
     packed.reserve(vertices.size());
     for (const view::TubeVertex& vertex : vertices) {
-        packed.push_back({vertex.position, ten_bits(vertex.normal), Eigen::half(vertex.from_tip),
+        packed.push_back({vertex.position, packed_normal(vertex.normal), Eigen::half(vertex.from_tip),
                           Eigen::half(vertex.around)});
     }
     render::upload(GL_ARRAY_BUFFER, vertices_, packed, GL_STREAM_DRAW);

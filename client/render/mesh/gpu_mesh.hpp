@@ -21,12 +21,16 @@ enum class Attribute : GLuint {
     course = 3,
     relief = 4,
     rest = 5,
-    film = 6
+    film = 6,
+    height = 7
 };
 
 /// Describes an attribute of the bound vertex array in the bound buffer; offset and stride [bytes].
 void attribute(Attribute which, GLint size, GLenum type, GLboolean normalised, GLsizei stride,
                std::size_t offset);
+
+/// A unit vector as GL_INT_2_10_10_10_REV.
+[[nodiscard]] std::uint32_t packed_normal(const Vec3f& normal);
 
 /// A tool's triangle mesh on the GPU; the triangles are constant.
 class GpuMesh {

@@ -47,37 +47,6 @@ GpuMesh bulb_mesh(const Vec3f& centre) {
     return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {255, 244, 225, 255})};
 }
 
-// A disc at the level of the lowest point resting on it; its rings are dense where the light varies.
-GpuMesh table_mesh(const view::SceneView& scene) {
-    constexpr std::uint32_t rings = 32, sides = 48;
-    constexpr float innermost = 0.012f, outermost = 2.1f;  // [m]
-    float hindmost = 0.0f;
-    for (const auto& [name, surface] : scene.surfaces()) {
-        for (const Vec3f& p : surface.model().mesh.vertices) {
-            hindmost = std::max(hindmost, p.y());
-        }
-    }
-    Vertices vertices{{Vec3f(0.0f, hindmost, 0.0f), -Vec3f::UnitY()}};
-    std::vector<Triangle> triangles;
-    for (std::uint32_t ring = 0; ring < rings; ++ring) {
-        const float radius =
-            innermost * std::pow(outermost / innermost, static_cast<float>(ring) / (rings - 1));
-        for (std::uint32_t side = 0; side < sides; ++side) {
-            const float turn = 2.0f * std::numbers::pi_v<float> * static_cast<float>(side) / sides;
-            vertices.push_back(
-                {Vec3f(radius * std::sin(turn), hindmost, radius * std::cos(turn)), -Vec3f::UnitY()});
-            const std::uint32_t here = 1 + ring * sides + side, next = 1 + ring * sides + (side + 1) % sides;
-            if (ring == 0) {
-                triangles.push_back({0, next, here});
-            } else {
-                triangles.push_back({here - sides, next, here});
-                triangles.push_back({here - sides, next - sides, next});
-            }
-        }
-    }
-    return {triangles, vertices, std::vector<VertexColour>(vertices.size(), {92, 128, 134, 255})};
-}
-
 }  // namespace
 
 void SceneMeshes::rebuild(const view::SceneView& scene) {
@@ -97,6 +66,7 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
     patient_.build(scene);
     blade_.reset();
     bulb_.reset();
+    Solid spare;
     if (scene.laryngoscope()) {
         const Vec3f lamp = bulb_centre(scene.keys()->laryngoscope().blade_length);
         const CreasedMesh mesh = subdivide_long_edges(
@@ -104,9 +74,12 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
             [&](const Vec3f& at) { return std::max(shortest_edge, edge_by_distance * (at - lamp).norm()); });
         const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
         blade_.emplace(mesh.triangles, mesh.vertices, steel);
+        const CreasedMesh plain = creased(*scene.laryngoscope(), crease_angle);
+        spare = {plain.vertices, std::vector<VertexColour>(plain.vertices.size(), steel.front()),
+                 plain.triangles};
         bulb_.emplace(bulb_mesh(lamp));
     }
-    table_.emplace(table_mesh(scene));
+    room_.build(scene, spare);
     tube_.reset();
 }
 
@@ -136,6 +109,7 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
         return;
     }
     patient_.update(scene);
+    room_.sync(scene);
     if (const view::TubeSweep* sweep = scene.tube()) {
         if (!tube_) {
             tube_.emplace(sweep->triangles());

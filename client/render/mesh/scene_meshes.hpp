@@ -11,6 +11,7 @@
 
 #include "client/render/mesh/gpu_mesh.hpp"
 #include "client/render/mesh/patient_mesh.hpp"
+#include "client/render/room/room_meshes.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
@@ -34,8 +35,7 @@ class SceneMeshes {
     [[nodiscard]] const PatientMesh& patient() const { return patient_; }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
     [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
-    /// A cloth on the table beneath the patient.
-    [[nodiscard]] const std::optional<GpuMesh>& table() const { return table_; }
+    [[nodiscard]] const RoomMeshes& room() const { return room_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
 
   private:
@@ -48,7 +48,8 @@ class SceneMeshes {
     bool ready_ = false;
     std::future<Appearances> baking_;
     PatientMesh patient_;
-    std::optional<GpuMesh> blade_, bulb_, table_;
+    std::optional<GpuMesh> blade_, bulb_;
+    RoomMeshes room_;
     std::optional<GpuMesh> tube_;
 };
 

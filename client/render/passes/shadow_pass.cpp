@@ -165,6 +165,9 @@ ShaderProgram::Defines ShadowPass::defines(const DrawContext& context, bool lamp
     if (lamplit && lamp_shadow_of(context)) {
         defines.emplace_back("LAMP_SHADOW");
     }
+    if (context.lighting.environment != nullptr) {
+        defines.emplace_back("ENVIRONMENT");
+    }
     defines.push_back(fmt::format("TAPS {}", context.view.lens ? lens_taps_ : taps_));
     return defines;
 }

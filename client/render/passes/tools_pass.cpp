@@ -20,7 +20,6 @@ const Eigen::Vector4f glowing(2.6f, 2.4f, 2.1f, 1.0f);  // linear light of the l
 ToolsPass::ToolsPass()
     : metal_("metal", shaders::mesh_vertex, shaders::metal_fragment),
       plastic_("tube", shaders::mesh_vertex, shaders::tube_fragment),
-      cloth_("cloth", shaders::cloth_vertex, shaders::cloth_fragment),
       flat_("flat tool", shaders::mesh_vertex, shaders::flat_fragment) {}
 
 void ToolsPass::draw(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows) {
@@ -69,22 +68,6 @@ void ToolsPass::draw_blade(const DrawContext& context, const SceneMeshes& meshes
         glass.set("flat_colour", context.ids() ? flat(blade_colour) : glowing);
         meshes.bulb()->draw();
     }
-}
-
-void ToolsPass::draw_table(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows) {
-    if (context.ids() || !meshes.table()) {
-        return;
-    }
-    ShaderProgram::Defines defines = shadows.defines(context, false);
-    if (context.quality.fine) {
-        defines.emplace_back("FINE");
-    }
-    ShaderProgram& program = cloth_.variant(defines);
-    program.use();
-    place(program, context, Eigen::Matrix4f::Identity(), context.clip_plane);
-    context.lighting.apply(program, context.camera.eye);
-    shadows.apply(context, program);
-    meshes.table()->draw();
 }
 
 void ToolsPass::draw_tube(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows,

@@ -16,8 +16,6 @@ class ToolsPass {
   public:
     ToolsPass();
     void draw(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
-    /// Draws the table on which the patient lies.
-    void draw_table(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
     /// Draws occluded parts of the tools faintly.
     void draw_hidden(const DrawContext& context, const SceneMeshes& meshes, const ShadowPass& shadows);
 
@@ -40,7 +38,7 @@ class ToolsPass {
     void set_refraction(const DrawContext& context, ShaderProgram& program);
 
     Backdrop backdrop_;
-    ShaderVariants metal_, plastic_, cloth_, flat_;
+    ShaderVariants metal_, plastic_, flat_;
 };
 
 }  // namespace eti::render

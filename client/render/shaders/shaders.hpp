@@ -39,10 +39,13 @@ extern const std::string_view sphere_fragment;
 extern const std::string_view sphere_vertex;
 
 // tools
-extern const std::string_view cloth_fragment;
-extern const std::string_view cloth_vertex;
 extern const std::string_view metal_fragment;
 extern const std::string_view tube_fragment;
+
+// room
+extern const std::string_view monitor_fragment;
+extern const std::string_view room_fragment;
+extern const std::string_view room_vertex;
 
 // overlay
 extern const std::string_view annotation_fragment;

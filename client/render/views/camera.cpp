@@ -9,7 +9,11 @@
 #include "common/model/tools/blade_camera.hpp"
 
 namespace eti::render {
-namespace {}  // namespace
+namespace {
+
+constexpr float room_far = 5.0f;  // [m], beyond the walls
+
+}  // namespace
 
 Eigen::Matrix4f Camera::view() const {
     const Mat3f axes = view_axes(eye, target, up);
@@ -55,6 +59,7 @@ Camera overview_camera(const Landmarks& rest, const Orbit& orbit, float table_an
     camera.up = level * camera.up;
     camera.eye = camera.target + std::clamp(orbit.distance, 0.15f, 1.5f) * (level * direction);
     camera.vertical_fov = 26.0f * degree;
+    camera.far_plane = room_far;
     return camera;
 }
 
@@ -84,7 +89,7 @@ Camera blade_camera(const RigidTransform& pose, const Laryngoscope& scope) {
     camera.up = pose.rotation * Vec3f::UnitY();
     camera.vertical_fov = 75.0f * degree;
     camera.near_plane = 0.5e-3f;
-    camera.far_plane = 0.5f;
+    camera.far_plane = room_far;
     return camera;
 }
 
@@ -98,7 +103,7 @@ Camera eye_camera(const view::TraineeEye& eye, const Landmarks& now, float magni
     camera.vertical_fov = 2.0f * std::atan(std::tan(13.0f * degree) / magnification);
     // The laryngoscope's handle comes close.
     camera.near_plane = 0.03f;
-    camera.far_plane = 0.8f;
+    camera.far_plane = room_far;
     return camera;
 }
 
@@ -108,9 +113,9 @@ Camera headset_camera(const RigidTransform& pose, const FieldOfView& field) {
     camera.target = pose * Vec3f(0.0f, 0.0f, -0.3f);
     camera.up = pose.rotation * Vec3f::UnitY();
     camera.field = field;
-    // Near: the closest an eye can look; far: the extent of the table.
+    // The closest an eye can look.
     camera.near_plane = 0.03f;
-    camera.far_plane = 3.0f;
+    camera.far_plane = room_far;
     return camera;
 }
 

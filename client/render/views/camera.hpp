@@ -39,9 +39,9 @@ struct Camera {
 /// Position of the overview camera around the mouth. The patient lies supine; azimuth rotates about the
 /// vertical, 0 from the head's side, 90 deg from the patient's left.
 struct Orbit {
-    float azimuth = 84.0f * degree;
-    float elevation = 42.0f * degree;
-    float distance = 0.56f;
+    float azimuth = 106.0f * degree;
+    float elevation = 36.0f * degree;
+    float distance = 0.66f;
 };
 
 /// `table_angle` [rad], positive head-up: the picture's vertical is the world's, so that the table appears

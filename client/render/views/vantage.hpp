@@ -34,6 +34,7 @@ struct Vantage {
     Section section{};                        ///< section plane
     view::TraineeEye eye{};                   ///< the trainee's own
     Loupe loupe{};                            ///< before the trainee's eye; does not move it
+    bool hands = true;                        ///< whether hands hold the tools in views from outside
     float fogging = 0.0f;                     ///< 0-1, initial fogging of the blade's lens
     std::vector<Camera> headset_eyes{};       ///< the headset's eyes, left first; empty without a headset
     std::optional<bus::Annotation> sketch{};  ///< a mark being drawn, not visible to others yet

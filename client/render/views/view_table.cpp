@@ -50,8 +50,8 @@ Cameras from_both_eyes(const view::SceneView& scene, const Vantage& from) {
 constexpr float wheel_factor = 1.15f;  // for a notch: five notches double it
 constexpr float least_worn = 1.5f;     // weaker loupes would look like none
 
-const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::patient, Pass::tools,
-                                   Pass::liquid,      Pass::glottis, Pass::annotations};
+const std::vector<Pass> of_a_mouth{Pass::lamp_shadow, Pass::hands,  Pass::patient, Pass::room,
+                                   Pass::tools,       Pass::liquid, Pass::glottis, Pass::annotations};
 
 const std::array table{
     View{.name = text::translatable("eye"),
@@ -59,8 +59,7 @@ const std::array table{
          .help = text::translatable("the view from the trainee's eye"),
          .cameras = from_the_eye,
          .lighting = laryngoscope_lighting,
-         .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
-                    Pass::annotations},
+         .passes = of_a_mouth,
          .background = Vec3f(0.016f, 0.022f, 0.028f),
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::eye,
@@ -77,6 +76,7 @@ const std::array table{
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::eye,
          .lips_retracted = true,
+         .near_only = true,
          .lens = true},
     View{.name = text::translatable("overview"),
          .key = '1',
@@ -84,10 +84,10 @@ const std::array table{
          .cameras = from_above,
          .lighting = overview_lighting,
          // An observer sees little of the lamp's light through the mouth, with or without lips.
-         .passes = {Pass::room_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid,
+         .passes = {Pass::room_shadow, Pass::hands, Pass::patient, Pass::room, Pass::tools, Pass::liquid,
                     Pass::annotations},
          .overlays = {Overlay::gum_force, Overlay::line_of_sight},
-         .background = Vec3f(0.035f, 0.065f, 0.075f),
+         .background = Vec3f(0.11f, 0.12f, 0.125f),
          .auto_show = AutoShow::always,
          .mouse_target = MouseTarget::onlooker},
     View{.name = text::translatable("section"),
@@ -113,6 +113,7 @@ const std::array table{
          .auto_show = AutoShow::alone,
          .mouse_target = MouseTarget::eye,
          .lips_retracted = true,
+         .near_only = true,
          .loupe = true},
 };
 
@@ -126,10 +127,10 @@ const View& headset_view() {
         .help = text::translatable("the trainee's headset"),
         .cameras = [](const view::SceneView&, const Vantage& from) { return from.headset_eyes; },
         .lighting = headset_lighting,
-        .passes = {Pass::lamp_shadow, Pass::patient, Pass::table, Pass::tools, Pass::liquid, Pass::glottis,
-                   Pass::annotations},
+        .passes = {Pass::lamp_shadow, Pass::hands, Pass::patient, Pass::room, Pass::tools, Pass::liquid,
+                   Pass::glottis, Pass::annotations},
         .overlays = {Overlay::gum_force, Overlay::sight_dot, Overlay::axes},
-        .background = Vec3f(0.035f, 0.065f, 0.075f),
+        .background = Vec3f(0.11f, 0.12f, 0.125f),
         .auto_show = AutoShow::alone,
         .mouse_target = MouseTarget::eye,
         .lips_retracted = true};

@@ -22,7 +22,8 @@ enum class Pass : std::uint8_t {
     lamp_shadow,  ///< light 1, the laryngoscope's lamp, casts shadows
     caps,         ///< section faces; drawn before the patient, whom they largely occlude
     patient,
-    table,  ///< beneath the patient
+    hands,  ///< on the tools; before the patient, many of whose pixels they hide
+    room,   ///< bedding, furniture and monitor
     tools,
     liquid,
     glottis,       ///< tinted glottic opening, if the session requests it
@@ -67,6 +68,7 @@ struct View {
     MouseTarget mouse_target = MouseTarget::eye;
     bool lips_retracted = false;  ///< the trainee's fingers retract the lips, see LipRetraction
     bool cut = false;             ///< cut along the vantage's section plane
+    bool near_only = false;       ///< without the room at a quality that has no walls
     bool loupe = false;           ///< through the vantage's loupe
     bool lens = false;            ///< seen through a lens in the mouth, which can fog
 

@@ -63,7 +63,7 @@ void main() {
     float fresnel = 0.02 + 0.35 * pow(1.0 - nv, 5.0);
     vec3 clear = exp(-extinction * min(through, deepest));
     vec3 scattered = 1.2 * albedo * open * ambient(n);
-    vec3 mirrored = fresnel * 1.5 * open * ambient(reflect(-v, n));
+    vec3 mirrored = fresnel * 1.5 * open * mirrored(reflect(-v, n), 0.08);
     for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving_through_mouth(i, open);
         scattered += albedo * light.colour * (0.10 + 0.20 * max(dot(n, light.direction), 0.0));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // The lights and their unshadowed contribution at a point; colours are linear. Defines: LIGHTS
-// (number of lights, default 2; the second is the laryngoscope's lamp).
+// (number of lights, default 2; the second is the laryngoscope's lamp), ENVIRONMENT (ambient light and
+// reflections of the room, else two colours).
 #ifndef LIGHTS
 #define LIGHTS 2
 #endif
@@ -13,7 +14,25 @@ uniform vec3 light_direction[2];
 uniform vec3 light_colour[2];
 uniform vec3 light_shape[2];   // cosines of outer and inner cone, square of the reach [m^2]
 
+#ifdef ENVIRONMENT
+uniform vec3 irradiance[9];          // as in Irradiance, of unit gain
+uniform float environment_gain;
+uniform samplerCube environment_map; // roughness grows with the level
+uniform float roughest_level;
+vec3 ambient(vec3 n) {
+    vec3 sum = irradiance[0] + irradiance[1] * n.x + irradiance[2] * n.y + irradiance[3] * n.z +
+               irradiance[4] * (n.x * n.y) + irradiance[5] * (n.y * n.z) + irradiance[6] * (n.z * n.x) +
+               irradiance[7] * (n.x * n.x - n.y * n.y) + irradiance[8] * (3.0 * n.z * n.z - 1.0);
+    return environment_gain * max(sum, 0.0);
+}
+// The room as mirrored along r by a surface of this roughness.
+vec3 mirrored(vec3 r, float roughness) {
+    return environment_gain * textureLod(environment_map, r, roughness * roughest_level).rgb;
+}
+#else
 vec3 ambient(vec3 n) { return mix(ambient_low, ambient_high, 0.5 - 0.5 * n.y); }
+vec3 mirrored(vec3 r, float roughness) { return ambient(r); }
+#endif
 
 struct Arriving { vec3 direction; vec3 colour; };
 

@@ -29,7 +29,7 @@ vec3 thrown_back(Surface s, vec3 v, vec3 l) {
 // Ambient light, and its reflection by the coat at grazing angles.
 vec3 without_lights(Surface s, vec3 v) {
     float rim = 1.0 - clamp(dot(s.coat, v), 0.0, 1.0);
-    return s.open * (s.albedo * ambient(s.n) + (0.03 + 0.12 * s.wet) * rim * rim * rim * ambient(reflect(-v, s.coat)));
+    return s.open * (s.albedo * ambient(s.n) + (0.03 + 0.12 * s.wet) * rim * rim * rim * mirrored(reflect(-v, s.coat), 0.25));
 }
 // Indirect light from lit walls: in a throat the lamp's shadows are never black.
 vec3 from_walls(Surface s, vec3 lamp) { return 0.1 * s.albedo * s.albedo * lamp; }

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-// Polished steel, brushed lengthwise: reflects a room of bright panels over dark surroundings.
-// Defines: LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS.
+// Polished steel, brushed lengthwise: reflects the environment, or else bright panels over dark
+// surroundings. Defines: LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS, ENVIRONMENT.
 #include "scene/mesh_inputs.glsl"
 #include "scene/lighting.glsl"
 in vec4 colour_at;
 uniform float opacity;
 uniform mat4 model;
 float lattice(float x) { return fract(sin(x * 12.9898) * 43758.5453); }
+#ifdef ENVIRONMENT
+vec3 room(vec3 r) { return 1.7 * mirrored(r, 0.22); }
+#else
 // The reflected room: the light's panel, the ceiling, a dark band at the horizon, the table.
 vec3 room(vec3 r) {
     float up = -r.y;
@@ -16,6 +19,7 @@ vec3 room(vec3 r) {
     float panel = dot(r, normalize(light_position[0] - world));
     return seen + light_colour[0] * (0.80 * smoothstep(0.80, 0.95, panel) + 0.22 * smoothstep(-0.1, 0.9, panel));
 }
+#endif
 void main() {
     vec3 v = normalize(eye - world);
     vec3 n = normalize(normal_at);

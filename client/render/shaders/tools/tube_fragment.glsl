@@ -82,7 +82,7 @@ void main() {
     vec3 seen = texelFetch(behind, ivec2(at), 0).rgb * through;
     // PVC's refractive index of 1.54 reflects 4.5 % at normal incidence (Schlick 1994).
     float fresnel = 0.045 + 0.955 * rim * rim * rim * rim * rim;
-    sum = mix(mix(seen, sum, cover), 1.2 * ambient(reflect(-v, n)), 0.8 * fresnel * (1.0 - hub));
+    sum = mix(mix(seen, sum, cover), 1.2 * mirrored(reflect(-v, n), 0.15), 0.8 * fresnel * (1.0 - hub));
     for (int i = 0; i < 2; ++i) {
         Arriving light = arriving(i);
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);

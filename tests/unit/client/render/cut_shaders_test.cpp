@@ -15,10 +15,10 @@
 namespace eti {
 namespace {
 
-constexpr int side = 512;         // pixels
-constexpr float half = 0.025f;    // [m], of what they show
-constexpr float radius = 0.02f;   // [m], of the surfaces shown
-constexpr float height = 0.005f;  // [m], of the cut above the middle
+constexpr int side = 512;             // pixels
+constexpr float half = 0.025f;        // [m], of what they show
+constexpr float radius = 0.02f;       // [m], of the surfaces shown
+constexpr float cut_height = 0.005f;  // [m], of the cut above the middle
 constexpr double metres = 2.0 * half / side;
 
 // Concentric balls about the origin.
@@ -73,7 +73,7 @@ class CutShaders : public ::testing::Test {
         onto(0, 1) = onto(1, 2) = 1.0f / half;
         onto(3, 3) = 1.0f;
         program.set("view_projection", onto);
-        program.set("plane", Eigen::Vector4f(-1.0f, 0.0f, 0.0f, height));
+        program.set("plane", Eigen::Vector4f(-1.0f, 0.0f, 0.0f, cut_height));
         program.set("flat_colour", Eigen::Vector4f(1.0f, 1.0f, 1.0f, 1.0f));
     }
 
@@ -104,7 +104,7 @@ class CutShaders : public ::testing::Test {
         render::ShaderProgram face("face", {}, render::shaders::cut_plane_vertex,
                                    render::shaders::flat_fragment);
         set_up(face);
-        face.set("pivot", Vec3f(height, 0.0f, 0.0f));
+        face.set("pivot", Vec3f(cut_height, 0.0f, 0.0f));
         face.set("along", Vec3f(0.0f, 1.0f, 0.0f));
         face.set("across", Vec3f(0.0f, 0.0f, 1.0f));
         const render::VertexArray none;
@@ -116,7 +116,7 @@ class CutShaders : public ::testing::Test {
 
     // Area of the circle that the plane cuts out of a ball; an inscribed polygon of 80 sides lacks (2
     // pi/80)^2 / 6 = 0.1 %.
-    static double disc(double r) { return std::numbers::pi * (r * r - height * height); }
+    static double disc(double r) { return std::numbers::pi * (r * r - cut_height * cut_height); }
 
     render::HeadlessContext context_;
     render::Framebuffer framebuffer_;
@@ -130,7 +130,7 @@ TEST_F(CutShaders, FanExcludesHollowsAndIncludesFolds) {
                               render::shaders::cut_geometry, render::shaders::flat_fragment);
     set_up(fan);
     // Outside of the contour, where a fan alone is farthest from its inside.
-    fan.set("pivot", Vec3f(height, 0.024f, 0.018f));
+    fan.set("pivot", Vec3f(cut_height, 0.024f, 0.018f));
     const auto filled = [&](float inner) { return area_within(fan, balls({radius, inner})); };
     const double hollow = disc(radius) - disc(0.5 * radius);
     EXPECT_NEAR(filled(-0.5f * radius), hollow, 0.01 * hollow);

@@ -12,6 +12,7 @@
 #include "client/render/passes/glottis_pass.hpp"
 #include "client/render/passes/liquid_surface.hpp"
 #include "client/render/passes/patient_pass.hpp"
+#include "client/render/passes/room_pass.hpp"
 #include "client/render/passes/shadow_pass.hpp"
 #include "client/render/passes/tools_pass.hpp"
 #include "client/render/views/lip_retraction.hpp"
@@ -76,6 +77,7 @@ class PassState : public test::ScenePicture {
     LiquidSurface liquid_, elsewhere_;
     CapsPass caps_;
     PatientPass patient_;
+    RoomPass room_;
     ToolsPass tools_;
     GlottisPass glottis_;
     AnnotationPass annotations_;
@@ -119,10 +121,12 @@ TEST_F(PassState, IsRestoredByEveryPass) {
                     caps_.draw(context, meshes_);
                     expect_restored("caps");
                 }
+                room_.draw_hands(context, meshes_, shadows);
+                expect_restored("hands");
                 patient_.draw(context, meshes_, shadows);
                 expect_restored("patient");
-                tools_.draw_table(context, meshes_, shadows);
-                expect_restored("table");
+                room_.draw(context, meshes_, shadows);
+                expect_restored("room");
                 tools_.draw(context, meshes_, shadows);
                 expect_restored("tools");
                 liquid_.draw(context, shadows);

