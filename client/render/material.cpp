@@ -14,7 +14,7 @@ namespace {
 
 const Vec3f skin_colour(0.91f, 0.71f, 0.63f);
 // Skin of 28 weeks is thin: blood shows through.
-const Vec3f preterm_skin_colour(0.81f, 0.50f, 0.45f);
+const Vec3f preterm_skin_colour(0.83f, 0.57f, 0.51f);
 const Vec3f cord_colour(0.97f, 0.93f, 0.89f);
 const Vec3f lip_colour(0.82f, 0.50f, 0.47f);
 constexpr float skin_wetness = 0.10f;

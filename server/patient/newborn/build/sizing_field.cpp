@@ -86,10 +86,11 @@ float SizingField::edge(const Vec3f& point) const {
 
 float SizingField::cloth_edge(const Vec3f& point) const {
     constexpr float hem_breadth = 9e-3f, end = 40e-3f, shortest_hem = 1.4e-3f, shortest_end = 1.9e-3f;
-    constexpr float of_nappy = 2.5e-3f;
+    constexpr float to_waist = 92e-3f, shortest_waist = 1.4e-3f, of_nappy = 3.0e-3f;
     const float below = below_hem(point), unit = spacing_ * size_;
     if (whole_body_) {
-        return of_nappy * unit;
+        const float off_waist = std::max(std::fabs(below - to_waist * size_) - hem_breadth * size_, 0.0f);
+        return std::min(shortest_waist * unit + growth * off_waist, of_nappy * unit);
     }
     const float to_hem = std::max(std::fabs(below) - hem_breadth * size_, 0.0f);
     const float to_end = std::max(end * size_ - below, 0.0f);
