@@ -50,10 +50,11 @@ bare_make() {
     [ ! -f "${NODE_EXTRA_CA_CERTS:-}" ] || cp "$NODE_EXTRA_CA_CERTS" "$system/etc/certificates-of-the-host.pem"
 }
 
-# bare_mount SYSTEM: mounts the kernel's file systems. Called within the namespaces.
+# bare_mount SYSTEM: mounts the kernel's file systems. Called within the namespaces. The system is bound to itself, because
+# unshare wants a root that is a mount point, and several tests call it.
 bare_mount() {
-    mount -t proc proc "$1/proc" && mount -t sysfs -o ro sysfs "$1/sys" && mount --rbind /dev "$1/dev" &&
-        mount -t tmpfs -o size=1g,mode=1777 tmpfs "$1/dev/shm" ||
+    mount --bind "$1" "$1" && mount -t proc proc "$1/proc" && mount -t sysfs -o ro sysfs "$1/sys" &&
+        mount --rbind /dev "$1/dev" && mount -t tmpfs -o size=1g,mode=1777 tmpfs "$1/dev/shm" ||
         eti_fail "cannot mount proc, sys, dev and shared memory in $1; containers need --privileged for that"
 }
 

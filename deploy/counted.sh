@@ -119,8 +119,16 @@ ends() {
     [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
 }
 
+# The release's clang for the fuzz targets, as in deploy/packages/fuzz.txt, and the options of CMake that choose it.
+fuzz_clang=clang-$([ "$(eti_release 2>/dev/null)" = trixie ] && echo 19 || echo 16)
+fuzz_compiler=("-DCMAKE_C_COMPILER=$fuzz_clang" "-DCMAKE_CXX_COMPILER=${fuzz_clang/clang/clang++}")
+
 # fuzz_smoke: builds the fuzz targets; each reads its stored corpus and some inputs of its own.
 fuzz_smoke() {
     eti_say "== Building the fuzz targets in build/fuzz"
-    if eti_build fuzz -DETI_TESTS=ON fuzz_targets; then run fuzz --label-regex '^fuzz$'; else failed=$((failed + 1)); fi
+    if eti_build fuzz -DETI_TESTS=ON "${fuzz_compiler[@]}" fuzz_targets; then
+        run fuzz --label-regex '^fuzz$'
+    else
+        failed=$((failed + 1))
+    fi
 }

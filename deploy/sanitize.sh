@@ -91,12 +91,11 @@ fuzz() {
 library() {
     local log=$out/library-build.log status
     eti_say "== Building the DDS library from Debian's source in build/library; log in $log"
-    "$ETI_ROOT/deploy/sanitized_library.sh" "$ETI_ROOT/build/library" "$clang" >"$log" 2>&1
+    "$ETI_ROOT/deploy/sanitized_library.sh" "$ETI_ROOT/build/library" "$fuzz_clang" >"$log" 2>&1
     status=$?
     if [ $status = 3 ]; then
         eti_say "Skipped: library. $(grep -a 'No source' "$log")"
-    elif [ $status = 0 ] && eti_build fuzz -DETI_TESTS=ON "-DCMAKE_C_COMPILER=$clang" \
-        "-DCMAKE_CXX_COMPILER=${clang/clang/clang++}" fuzz-library; then
+    elif [ $status = 0 ] && eti_build fuzz -DETI_TESTS=ON "${fuzz_compiler[@]}" fuzz-library; then
         LD_LIBRARY_PATH=$ETI_ROOT/build/library/prefix/lib fuzz library -max_len=40000 -malloc_limit_mb=32
     else
         failed=$((failed + 1))
@@ -143,12 +142,10 @@ if [ $short = yes ]; then
     fuzz_smoke
 else
     mkdir -p "$out" && out=$(cd "$out" && pwd) || exit 2
-    clang=clang-$([ "$(eti_release)" = trixie ] && echo 19 || echo 16)     # as deploy/packages/fuzz.txt
     echo "reader,runs,seconds,findings" >"$out/fuzz.csv"
     if asked fuzz; then
         [ ${#readers[@]} -gt 0 ] || mapfile -t readers < <(all_readers)
-        if eti_build fuzz -DETI_TESTS=ON "-DCMAKE_C_COMPILER=$clang" "-DCMAKE_CXX_COMPILER=${clang/clang/clang++}" \
-            "${readers[@]/#/fuzz-}"; then
+        if eti_build fuzz -DETI_TESTS=ON "${fuzz_compiler[@]}" "${readers[@]/#/fuzz-}"; then
             for reader in "${readers[@]}"; do fuzz "$reader"; done
         else
             failed=$((failed + 1))

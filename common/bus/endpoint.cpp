@@ -175,7 +175,7 @@ class ReaderListener final : public dds::DataReaderListener {
     void on_liveliness_changed(dds::DataReader* /*reader*/,
                                const dds::LivelinessChangedStatus& status) override {
         const auto writer = rtps::iHandle2GUID(status.last_publication_handle);
-        participant_.on_liveliness_changed(writer, status.alive_count_change > 0);
+        participant_.on_writer_liveliness(writer, status.alive_count_change > 0);
     }
 
   private:

@@ -238,7 +238,7 @@ Rediscoveries Participant::rediscoveries() const {
             participants.after_silence};
 }
 
-void Participant::on_liveliness_changed(const rtps::GUID_t& writer, bool alive) {
+void Participant::on_writer_liveliness(const rtps::GUID_t& writer, bool alive) {
     admission_->on_liveliness_changed(writer_id(writer), alive);
     admission_->log_changes();
 }

@@ -42,7 +42,7 @@ class Participant final : public DiscoveryListener {
     [[nodiscard]] std::vector<Peer> peers() const;
     [[nodiscard]] Rediscoveries rediscoveries() const;
     /// Liveliness of a writer that matches a reader here.
-    void on_liveliness_changed(const rtps::GUID_t& writer, bool alive);
+    void on_writer_liveliness(const rtps::GUID_t& writer, bool alive);
     void release_ownership(std::string_view topic);
     /// Unicast locators of this participant; known once it has a writer.
     [[nodiscard]] std::vector<rtps::Locator_t> own_locators() const;

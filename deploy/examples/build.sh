@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
 #
-# Builds the examples with Debian's Cyclone DDS (cyclonedds-dev, libddsc0debian, cyclonedds-tools) and a C compiler:
+# Builds the examples with Debian's Cyclone DDS (cyclonedds-dev, cyclonedds-tools) and a C compiler:
 # from the unchanged IDL, and nothing else of NeoETI.
 set -eu
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -14,7 +14,7 @@ if [ $# -ne 1 ] || [ "$1" = --help ]; then
     [ "${1:-}" = --help ] && exit 0 || exit 2
 fi
 command -v idlc >/dev/null || {
-    echo "build.sh: there is no idlc; run: apt-get install cyclonedds-dev libddsc0debian cyclonedds-tools" >&2
+    echo "build.sh: there is no idlc; run: apt-get install cyclonedds-dev cyclonedds-tools" >&2
     exit 3
 }
 mkdir -p "$1/idl"

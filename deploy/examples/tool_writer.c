@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { repeat_s = 5 };
+
 struct arguments {
     struct place place;
     double seconds;
@@ -70,19 +72,25 @@ int main(int count, char** words) {
     wait_for_reader(poses);
     wait_for_reader(commands);
 
+    eti_msg_Command command = {.sender = "tool_writer", .id = 1, .value = a.value};
     if (a.wish) {
-        eti_msg_Command command = {
-            .header = {0, (uint64_t)dds_time(), 1}, .sender = "tool_writer", .id = 1, .value = a.value};
         snprintf(command.name, sizeof command.name, "%s", a.wish);
-        dds_write(commands, &command);
     }
     eti_msg_ProxyState proxy = {0};
     eti_msg_CommandResult result = {0};
     bool heard = false, answered = false;
+    uint32_t commands_sent = 0;
+    dds_time_t next_command = dds_time();
     const dds_time_t until = dds_time() + (dds_time_t)(a.seconds * 1e9);
     const dds_time_t patience = until + DDS_SECS(patience_s);
     for (uint32_t number = 1;
          dds_time() < until || ((!heard || (a.wish && !answered)) && dds_time() < patience); ++number) {
+        // Repeated, because an answer is lost if the server has not yet discovered the reader of answers.
+        if (a.wish && !answered && dds_time() >= next_command) {
+            command.header = (eti_msg_Header){0, (uint64_t)dds_time(), ++commands_sent};
+            dds_write(commands, &command);
+            next_command = dds_time() + DDS_SECS(repeat_s);
+        }
         eti_msg_ToolPose pose = {.header = {0, (uint64_t)dds_time(), number},
                                  .pose = {{a.at[0], a.at[1], a.at[2]}, {1.0f, 0.0f, 0.0f, 0.0f}}};
         dds_write(poses, &pose);

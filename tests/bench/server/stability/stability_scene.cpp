@@ -96,7 +96,7 @@ void head_in_one_step(const Sweep& sweep, StabilityTable& maps) {
         }
     }
     if (!sweep.quick) {
-        const patient::Patient shipped_model = patient::build_patient({}, {});
+        const patient::Patient shipped_model = patient::build_patient(NewbornShape{}, {});
         for (const Move& m : moves) {
             maps.add("scene", "head in one step", "shipped patient", m.name,
                      step_name(steps_per_second * shipped), [&] { return move(shipped_model, m, shipped); });
