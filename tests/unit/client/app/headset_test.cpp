@@ -203,7 +203,9 @@ Eigen::Vector2f green_dot_near(const std::filesystem::path& picture, const Eigen
 void expect_close(const Extent& drawn, const Extent& expected, float pixels) {
     EXPECT_NEAR(drawn.left, expected.left, pixels);
     EXPECT_NEAR(drawn.right, expected.right, pixels);
-    EXPECT_NEAR(drawn.top, expected.top, pixels);
+    // The towel rises about the trunk's far end and hides some of it, never more than is there.
+    EXPECT_GT(drawn.top, expected.top - pixels);
+    EXPECT_LT(drawn.top, expected.top + 3.0f * pixels);
     EXPECT_NEAR(drawn.bottom, expected.bottom, pixels);
 }
 

@@ -119,7 +119,7 @@ TEST_F(SceneRendererTest, BladeLensFogClearsWithTime) {
     const View& lens = named("laryngoscope");
     const auto fogged = [&](const View& view, const view::SceneView& scene) {
         renderer_.sync(scene);
-        renderer_.draw(view, scene, target_, {0, 0, width, height}, {.fogging = 1.0f});
+        renderer_.draw(view, scene, target_, {0, 0, width, height}, {.hands = false, .fogging = 1.0f});
         return target_.read();
     };
     const auto difference = [](const render::Image& a, const render::Image& b) {
@@ -144,7 +144,7 @@ TEST_F(SceneRendererTest, PicturesAreLitAndBitIdentical) {
         const render::Image first = picture(view, scene_, Shading::lit);
         render::SceneRenderer other;
         other.sync(scene_);
-        other.draw(view, scene_, target_, {0, 0, width, height});
+        other.draw(view, scene_, target_, {0, 0, width, height}, {.hands = false});
         EXPECT_EQ(first.rgba, target_.read().rgba) << view.name;
         // Many shades, and no black speck of a NaN within the lit head.
         std::array<bool, 256> seen{};
