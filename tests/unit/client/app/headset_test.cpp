@@ -14,7 +14,7 @@
 #include <fstream>
 #include <functional>
 #include <optional>
-#include <sstream>
+#include <string>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -103,9 +103,15 @@ class HeadsetTest : public ::testing::Test {
     // layer reported nothing.
     void expect_no_fault() const {
         EXPECT_EQ(report_["faults"], json::array());
-        std::stringstream said;
-        said << std::ifstream(folder_ / "validation.txt").rdbuf();
-        EXPECT_EQ(said.str(), "");
+        // From OpenXR 1.1 on the layer also says that it starts and ends, at its lowest level.
+        std::ifstream file(folder_ / "validation.txt");
+        std::string said;
+        for (std::string line; std::getline(file, line);) {
+            if (line.find("[VALID_DEBUG |") == std::string::npos) {
+                said += line + '\n';
+            }
+        }
+        EXPECT_EQ(said, "");
     }
 
     // A head that bends over the patient: report_["pictures"].back() holds what each eye saw last.
