@@ -53,7 +53,6 @@ LIP_RING = 38  # vertices of the closed loop of edges through both
 STOMION = np.array([0.0, 53.0, -9.8])
 PITCH_DEG, SIZE = 2.5, 1.04
 EAR_MM = 0.5  # added on either side
-FACE_CONSTANCY = 0.8  # share of the difference between term and 28 weeks that faces are spared
 
 
 def face_bones(base):
@@ -201,15 +200,15 @@ def bake(archive):
     triangles, ring = closed_triangles(base)
     # The order of the axes is another than MakeHuman's, which mirrors: turn the triangles round.
     triangles = triangles[:, ::-1]
-    (term, eyes), (preterm, preterm_eyes) = (
+    (term, eyes), (preterm, _) = (
         to_model(base, n, supine(base, shape_of(base, n)), ring) for n in (TERM, PRETERM)
     )
-    # The generator's bones and lips keep a term newborn's proportions: faces change less with age than limbs.
+    # The generator's bones and lips keep a term newborn's proportions at every age, and so does the head.
     face = np.append(base.share(face_bones(base))[:BODY], 1.0)[:, None]
-    preterm = preterm + FACE_CONSTANCY * face * (term - preterm)
+    preterm = preterm + face * (term - preterm)
     term, preterm = (thicker_ears(base, points, triangles) for points in (term, preterm))
     used, triangles = np.unique(triangles, return_inverse=True)
-    return term[used], preterm[used], triangles.reshape(-1, 3), list(zip(eyes, preterm_eyes))
+    return term[used], preterm[used], triangles.reshape(-1, 3), eyes
 
 
 def source(term, preterm, triangles, eyes):
@@ -217,11 +216,7 @@ def source(term, preterm, triangles, eyes):
     change = np.rint(preterm / UNIT_MM) - quantised
     if max(np.abs(quantised).max(), np.abs(change).max()) > 32767 or len(term) > 65535:
         sys.exit("bake.py: the body does not fit into 16-bit integers")
-    rows = [
-        "{{%s}, %.4ff, {%s}, %.4ff}"
-        % (", ".join("%.4ff" % x for x in a[0]), a[1], ", ".join("%.4ff" % x for x in b[0]), b[1])
-        for a, b in eyes
-    ]
+    rows = ["{{%s}, %.4ff}" % (", ".join("%.4ff" % x for x in centre), radius) for centre, radius in eyes]
     return f"""// SPDX-License-Identifier: CC0-1.0
 // Made by server/patient/newborn/body/bake.py from MakeHuman's base mesh and targets (CC0).
 #include "server/patient/newborn/body/body_data.hpp"

@@ -12,8 +12,6 @@ namespace eti::patient {
 struct BodyEye {
     std::array<float, 3> centre;
     float radius;
-    std::array<float, 3> preterm_centre;
-    float preterm_radius;
 };
 
 /// The closed surface of a newborn's body, written at build time by bake.py; empty if its source was not at

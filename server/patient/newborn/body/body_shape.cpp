@@ -93,17 +93,13 @@ void BodyShape::build_grids() const {
     build_detail();
     // Lids closed over a hollow socket are as thin as a sheet: the eye fills it.
     for (const BodyEye& eye : body_data().eyes) {
-        const auto blend = [&](float term, float early) { return term + preterm_ * (early - term); };
-        const Vec3f centre(blend(eye.centre[0], eye.preterm_centre[0]),
-                           blend(eye.centre[1], eye.preterm_centre[1]),
-                           blend(eye.centre[2], eye.preterm_centre[2]));
-        const float radius = blend(eye.radius, eye.preterm_radius);
+        const Vec3f centre(eye.centre[0], eye.centre[1], eye.centre[2]);
         const auto fill = [&](DistanceGrid& grid) {
             for (int z = 0; z < grid.size[2]; ++z) {
                 for (int y = 0; y < grid.size[1]; ++y) {
                     for (int x = 0; x < grid.size[0]; ++x) {
                         float& value = grid.value[grid.index(x, y, z)];
-                        value = std::min(value, (grid.node(x, y, z) - centre).norm() - radius);
+                        value = std::min(value, (grid.node(x, y, z) - centre).norm() - eye.radius);
                     }
                 }
             }

@@ -22,7 +22,7 @@ struct BuildSettings {
     /// [m], edge length of drawn surfaces in mouth and throat; finer at larynx and lips, coarser at trunk and
     /// scalp, in proportion. Bones are sampled 1.5 times as coarsely.
     float surface_spacing = 1.0e-3f;
-    std::size_t body_triangles = 96000;
+    std::size_t body_triangles = 90000;
     std::size_t shell_triangles = 12000;
 };
 

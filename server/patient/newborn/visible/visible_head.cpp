@@ -136,10 +136,15 @@ float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_ja
     // The physical outline contains the shell, which the skin must cover beneath the chin and at the nose;
     // the rest of the face has its own shape.
     const float to_nose = round_cone(point, {0, 53, 22}, {0, 59, 11}, 3.0f, 4.0f);
+    // A short neck's crease, which would overstretch as the head is raised, is filled by 2 mm.
+    const float crease_fill =
+        2.0f * smoothstep(-26.0f, -33.0f, point.z()) * smoothstep(-60.0f, -48.0f, point.z());
     const float within =
-        cover + 8.0f * smoothstep(-19.0f, -5.0f, point.z()) * smoothstep(0.5f, 4.0f, to_nose);
+        cover - crease_fill + 8.0f * smoothstep(-9.0f, -2.0f, point.z()) * smoothstep(0.5f, 4.0f, to_nose);
+    // A wide fillet between chin and neck, whose crease opens as the head is raised.
+    const float fillet = 4.0f + 10.0f * (1.0f - smoothstep(-22.0f, -12.0f, point.z()));
     const float skin = smooth_union(body.distance(to_standard_cranium(closed, cranium_size)),
-                                    skin_field(point, in_jaw, cranium_size) + within, 4.0f);
+                                    skin_field(point, in_jaw, cranium_size) + within, fillet);
     constexpr float over_bone = 1.2f, farthest = 5.0f;
     if (skin < -over_bone || skin > farthest) {
         return skin;

@@ -60,7 +60,8 @@ TEST(HeadGrowth, MatchesNewbornBuiltAtThatSize) {
         for (const float wanted : {0.85f, 0.95f, 1.05f, 1.15f}) {
             const Off off = off_built(shape, patient, wanted);
             EXPECT_LT(off.mean, 0.2) << wanted;
-            EXPECT_LT(off.most, untouched.most + 1.0) << wanted;
+            // Ears, which stand off the head, grow with its widest part.
+            EXPECT_LT(off.most, untouched.most + 1.5) << wanted;
         }
     }
 }
