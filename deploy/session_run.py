@@ -26,7 +26,7 @@ FIRST_SCENE = 120        # [s] that clients wait for it: a patient missing from 
 STALL_LIMIT = 180.0      # [s] without progress of the simulation time after which a server counts as hung
 END_BY_ITSELF = 60.0     # [s] for processes to notice the session's end (a lease on the bus lasts 1.5 s), and
                          # for clients, which run at low priority, to draw their last pictures
-END_ON_REQUEST = 10.0    # [s] from SIGTERM to SIGKILL
+END_ON_REQUEST = 30.0    # [s] from SIGTERM to SIGKILL: on a busy machine a client draws its first picture for seconds
 USUAL_SESSION = 20       # [s] of simulation time of the expert's attempt
 LONGEST_SESSION = 120    # [s] of simulation time
 SUCTION = (1.0, 2.0)     # [s] of simulation time between which the assistant holds the pad's suction button
