@@ -3,6 +3,7 @@
 #include "common/mesh/distance_grid.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace eti {
 namespace {
@@ -44,6 +45,15 @@ float mix(float a, float b, float t) {
 }
 
 }  // namespace
+
+std::array<int, 3> grid_nodes(const Vec3f& low, const Vec3f& high, float spacing) {
+    std::array<int, 3> size{};
+    for (int axis = 0; axis < 3; ++axis) {
+        size[static_cast<std::size_t>(axis)] =
+            static_cast<int>(std::ceil((high[axis] - low[axis]) / spacing)) + 1;
+    }
+    return size;
+}
 
 float DistanceGrid::distance(const Vec3f& point) const {
     const GridCell cell = cell_at(*this, point);

@@ -23,6 +23,9 @@ struct SplineDistance {
     Eigen::Matrix3f bend = Eigen::Matrix3f::Zero();  ///< [1/m], second derivatives
 };
 
+/// Nodes along each axis of a grid from `low` that covers the box up to `high`.
+[[nodiscard]] std::array<int, 3> grid_nodes(const Vec3f& low, const Vec3f& high, float spacing);
+
 /// Signed distances on a regular grid, trilinear between nodes; negative inside the solid.
 struct DistanceGrid {
     Vec3f origin = Vec3f::Zero();  ///< [m], node (0, 0, 0)

@@ -23,11 +23,7 @@ DistanceGrid distance_of(const TriangleMesh& mesh, float spacing) {
     }
     low.array() -= 2.0f * spacing;
     high.array() += 2.0f * spacing;
-    std::array<int, 3> size{};
-    for (int k = 0; k < 3; ++k) {
-        size[static_cast<std::size_t>(k)] = static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
-    }
-    return mesh_distance(mesh, low, spacing, size, PosedShell::band);
+    return mesh_distance(mesh, low, spacing, grid_nodes(low, high, spacing), PosedShell::band);
 }
 
 /// As distance_of(), which takes most of a scene's construction. Keeps the last grid of the process (about 5

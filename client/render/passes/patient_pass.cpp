@@ -31,15 +31,21 @@ void set_colours(ShaderProgram& program, Tissue tissue) {
 PatientPass::PatientPass()
     : tissue_("tissue", shaders::mesh_vertex, shaders::tissue_fragment),
       lit_at_vertices_("tissue lit at vertices", shaders::tissue_lit_vertex, shaders::tissue_lit_fragment),
-      flat_("flat tissue", shaders::mesh_vertex, shaders::flat_fragment) {
+      flat_("flat tissue", shaders::mesh_vertex, shaders::flat_fragment) {}
+
+void PatientPass::bind_mucosa() {
+    glActiveTexture(GL_TEXTURE0 + mucosa_unit);
+    if (mucosa_) {
+        glBindTexture(GL_TEXTURE_2D, mucosa_->name());
+        return;
+    }
     const MucosaPattern pattern = mucosa_pattern();
-    glBindTexture(GL_TEXTURE_2D, mucosa_.name());
+    glBindTexture(GL_TEXTURE_2D, mucosa_.emplace().name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, pattern.side, pattern.side, 0, GL_RGBA, GL_UNSIGNED_BYTE,
                  pattern.texels.data());
     glGenerateMipmap(GL_TEXTURE_2D);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glBindTexture(GL_TEXTURE_2D, 0);
 }
 
 ShaderProgram& PatientPass::program(const DrawContext& context, const ShadowPass& shadows, bool lamplit,
@@ -119,8 +125,7 @@ ShaderProgram& PatientPass::begin(const DrawContext& context, const PatientMesh&
         context.lighting.apply(skin, context.camera.eye);
         shadows.apply(context, skin);
         if (context.quality.fine) {
-            glActiveTexture(GL_TEXTURE0 + mucosa_unit);
-            glBindTexture(GL_TEXTURE_2D, mucosa_.name());
+            bind_mucosa();
             skin.set("mucosa", mucosa_unit);
             skin.set("mucosa_scale", Eigen::Vector2f(MucosaPattern::period, MucosaPattern::steepest));
         }

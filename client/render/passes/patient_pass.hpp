@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "client/render/draw_context.hpp"
@@ -34,11 +35,14 @@ class PatientPass {
     /// edge differently and leave one-pixel gaps.
     void draw_finer(const DrawContext& context, const PatientMesh& patient, const ShadowPass& shadows);
 
+    /// Binds the pattern of mucosa, which is made when first needed.
+    void bind_mucosa();
+
     PatientOutlines outlines_;
     TessellationRenderer finer_;
     std::vector<std::vector<TessellatedInstance>> deferred_;  // by part
     ShaderVariants tissue_, lit_at_vertices_, flat_;
-    Texture mucosa_;  // MucosaPattern, for qualities with fine relief
+    std::optional<Texture> mucosa_;  // MucosaPattern, once a quality with fine relief draws
 };
 
 }  // namespace eti::render

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/math/units.hpp"
+#include "common/math/implicit.hpp"
 #include "common/mesh/isosurface.hpp"
 #include "common/mesh/simplify.hpp"
 
@@ -71,19 +71,6 @@ const Hand& hand_of(Grip grip) {
     return grip == Grip::handle ? handle : tube;
 }
 
-// A capsule whose radius varies linearly; exact enough where it varies slowly.
-float to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b, float at_a, float at_b) {
-    const Vec3f along = b - a;
-    const float share = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0f, 1.0f);
-    return (p - a - share * along).norm() - (at_a + share * (at_b - at_a));
-}
-
-// Smooth union (Quilez 2013): differs from the minimum where the distances differ by less than `blend`.
-float united(float a, float b, float blend) {
-    const float near = std::max(blend - std::abs(a - b), 0.0f);
-    return std::min(a, b) - 0.25f * near * near / blend;
-}
-
 constexpr float glove_end = 46.0f;  // [mm] along the forearm from the wrist
 
 // The glove's rolled rim, and a gown's sleeve that comes out of it and ends near the elbow.
@@ -125,20 +112,21 @@ float hand_distance(Grip grip, const Vec3f& point) {
     for (const Finger& finger : hand.finger) {
         float one = 1e6f;
         for (std::size_t k = 0; k < 3; ++k) {
-            one = united(
+            one = smooth_union(
                 one,
-                to_segment(p, finger.joint[k], finger.joint[k + 1], finger.radius[k], finger.radius[k + 1]),
+                round_cone(p, finger.joint[k], finger.joint[k + 1], finger.radius[k], finger.radius[k + 1]),
                 2.0f * web);
         }
-        fingers = united(fingers, one, web);
-        palm = united(palm, to_segment(p, finger.joint[0], hand.wrist, finger.radius[0], 17.0f), muscle);
+        fingers = smooth_union(fingers, one, web);
+        palm =
+            smooth_union(palm, round_cone(p, finger.joint[0], hand.wrist, finger.radius[0], 17.0f), muscle);
     }
     // The web between thumb and index.
     const Vec3f& thumb = hand.finger[0].joint[1];
-    palm = united(palm, to_segment(p, thumb, hand.finger[1].joint[0], 8.0f, 8.0f), muscle);
-    float all = united(fingers, palm, knuckle);
+    palm = smooth_union(palm, round_cone(p, thumb, hand.finger[1].joint[0], 8.0f, 8.0f), muscle);
+    float all = smooth_union(fingers, palm, knuckle);
     const Vec3f end = hand.wrist + (glove_end - 18.0f) * hand.forearm;
-    all = united(all, to_segment(p, hand.wrist, end, 23.0f, 24.0f), muscle);
+    all = smooth_union(all, round_cone(p, hand.wrist, end, 23.0f, 24.0f), muscle);
     return 1e-3f * all;
 }
 
@@ -156,10 +144,7 @@ Solid gloved_hand(Grip grip, std::size_t triangles) {
     field.spacing = spacing;
     const Vec3f margin = Vec3f::Constant(40e-3f);
     field.origin = 1e-3f * box.min() - margin;
-    const Vec3f extent = 1e-3f * box.max() + margin - field.origin;
-    for (int axis = 0; axis < 3; ++axis) {
-        field.size[static_cast<std::size_t>(axis)] = static_cast<int>(std::ceil(extent[axis] / spacing)) + 1;
-    }
+    field.size = grid_nodes(field.origin, 1e-3f * box.max() + margin, spacing);
     for (int z = 0; z < field.size[2]; ++z) {
         for (int y = 0; y < field.size[1]; ++y) {
             for (int x = 0; x < field.size[0]; ++x) {

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <span>
 
+#include "common/math/implicit.hpp"
 #include "common/math/smoothstep.hpp"
 #include "common/math/transform.hpp"
 
@@ -14,35 +15,12 @@
 // consistently (the newborn model: millimetres).
 namespace eti::patient {
 
-/// Union with a fillet of width k (polynomial smooth minimum, Quilez).
-[[nodiscard]] inline float smooth_union(float a, float b, float k) {
-    const float h = std::max(k - std::fabs(a - b), 0.0f) / k;
-    return std::min(a, b) - h * h * k * 0.25f;
-}
-
-/// Intersection with a fillet of width k.
-[[nodiscard]] inline float smooth_intersection(float a, float b, float k) {
-    return -smooth_union(-a, -b, k);
-}
-
-/// `a` without `b`, with a fillet of width k.
-[[nodiscard]] inline float smooth_difference(float a, float b, float k) {
-    return smooth_intersection(a, -b, k);
-}
-
 /// First-order distance to an axis-aligned ellipsoid.
 [[nodiscard]] inline float ellipsoid(const Vec3f& p, const Vec3f& centre, const Vec3f& radii) {
     const Vec3f q = p - centre;
     const float k0 = q.cwiseQuotient(radii).norm();
     const float k1 = q.cwiseQuotient(radii.cwiseProduct(radii)).norm();
     return k1 > 1e-9f ? k0 * (k0 - 1.0f) / k1 : -radii.minCoeff();
-}
-
-/// A capsule whose radius varies linearly from ra at a to rb at b.
-[[nodiscard]] inline float round_cone(const Vec3f& p, const Vec3f& a, const Vec3f& b, float ra, float rb) {
-    const Vec3f d = b - a;
-    const float t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0f, 1.0f);
-    return (p - a - d * t).norm() - (ra + (rb - ra) * t);
 }
 
 /// A chain of capsules; the radius varies linearly from r0 at the first point to r1 at the last.

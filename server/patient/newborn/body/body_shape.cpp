@@ -25,18 +25,9 @@ constexpr float hand_length = 75.0f, foot_length = 75.0f;
 constexpr float detail_share = 0.54f, coarsest_detail = 6.0f, finest_detail = 0.55f;
 constexpr float detail_spacing = 4.0f, detail_growth = 0.14f;
 
-std::array<int, 3> nodes_over(const Vec3f& low, const Vec3f& high, float spacing) {
-    std::array<int, 3> size{};
-    for (int axis = 0; axis < 3; ++axis) {
-        size[static_cast<std::size_t>(axis)] =
-            static_cast<int>(std::ceil((high[axis] - low[axis]) / spacing)) + 1;
-    }
-    return size;
-}
-
 DistanceGrid distances(const TriangleMesh& mesh, const Vec3f& low, const Vec3f& high, float spacing,
                        float reach) {
-    return mesh_distance(mesh, low, spacing, nodes_over(low, high, spacing), reach * spacing);
+    return mesh_distance(mesh, low, spacing, grid_nodes(low, high, spacing), reach * spacing);
 }
 
 }  // namespace
@@ -47,11 +38,12 @@ bool BodyShape::is_available() {
 
 BodyShape::BodyShape(float gestational_age) {
     constexpr float preterm_weeks = 28.0f, term_weeks = 40.0f;
-    preterm_ = std::clamp((term_weeks - gestational_age) / (term_weeks - preterm_weeks), 0.0f, 1.3f);
+    const float preterm =
+        std::clamp((term_weeks - gestational_age) / (term_weeks - preterm_weeks), 0.0f, 1.3f);
     const BodyData data = body_data();
     const auto coordinate = [&](std::size_t i) {
         return body_unit_mm *
-               (static_cast<float>(data.term[i]) + preterm_ * static_cast<float>(data.preterm_change[i]));
+               (static_cast<float>(data.term[i]) + preterm * static_cast<float>(data.preterm_change[i]));
     };
     for (std::size_t i = 0; i < data.term.size(); i += 3) {
         mesh_.vertices.emplace_back(coordinate(i), coordinate(i + 1), coordinate(i + 2));
@@ -114,7 +106,7 @@ void BodyShape::build_detail() const {
     const Vec3f margin = Vec3f::Constant(detail_spacing);
     detail_.origin = bounds_[0] - margin;
     detail_.spacing = detail_spacing;
-    detail_.size = nodes_over(detail_.origin, bounds_[1] + margin, detail_spacing);
+    detail_.size = grid_nodes(detail_.origin, bounds_[1] + margin, detail_spacing);
     const auto [width, height, depth] = detail_.size;
     detail_.value.assign(detail_.index(0, 0, depth), coarsest_detail);
     for (const Triangle& t : mesh_.triangles) {

@@ -40,7 +40,6 @@ class BodyShape {
     void build_grids() const;
     void build_detail() const;
 
-    float preterm_;  // 0 at term, 1 at 28 weeks
     TriangleMesh mesh_;
     std::array<Vec3f, 2> bounds_;
     // Distances are limited to a few spacings; beyond, the next grid answers.

