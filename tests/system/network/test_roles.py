@@ -124,7 +124,7 @@ class Roles(support.Programs):
         wait_for("points at")
         self.display.do("mousedown", 1)
         for i in range(1, 8):
-            self.display.do("mousemove", x + 6 * i, y)
+            self.display.do("mousemove", x, y + 6 * i)
             time.sleep(0.1)
         self.display.do("mouseup", 1, "keyup", "shift")
         wait_for("draws on")
