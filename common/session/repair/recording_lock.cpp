@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdint>
+
 namespace eti::session {
 
 namespace {
@@ -32,11 +34,17 @@ void RecordingLock::set(const std::filesystem::path& path) {
 std::optional<RecordingLock::Identity> RecordingLock::identity() const {
     constexpr off_t root_at = 36;  // after the end of the file
     Identity found;
+    std::uint64_t header = 0;  // addresses have 8 bytes, little endian
     const auto read_at = [&](auto& bytes, off_t at) {
         return ::pread(file_.get(), bytes.data(), bytes.size(), at) == static_cast<ssize_t>(bytes.size());
     };
-    return file_ && read_at(found.begin, 0) && read_at(found.root, root_at) ? std::optional(found)
-                                                                            : std::nullopt;
+    if (!file_ || !read_at(found.begin, 0) || !read_at(found.root, root_at)) {
+        return std::nullopt;
+    }
+    for (std::size_t i = found.root.size(); i-- > 0;) {
+        header = header << 8 | static_cast<unsigned char>(found.root[i]);
+    }
+    return read_at(found.root_signature, static_cast<off_t>(header)) ? std::optional(found) : std::nullopt;
 }
 
 bool RecordingLock::overwritten() const {

@@ -25,10 +25,13 @@ class RecordingLock {
     [[nodiscard]] bool overwritten() const;
 
   private:
-    /// What a superblock of version 3 (48 bytes) states for good while the file is written.
+    /// What a superblock of version 3 (48 bytes) states for good while the file is written, and the root
+    /// group's signature: a writer that flushes after the other program's truncation restores its superblock
+    /// over an empty file.
     struct Identity {
         std::array<char, 28> begin{};  ///< signature, version, sizes, flags, base and extension addresses
         std::array<char, 8> root{};    ///< address of the root group
+        std::array<char, 4> root_signature{};
         bool operator==(const Identity&) const = default;
     };
     [[nodiscard]] std::optional<Identity> identity() const;
