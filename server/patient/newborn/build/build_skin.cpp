@@ -128,10 +128,12 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
         const std::vector<Vec3f>& vertices = surface.mesh.vertices;
         const std::vector<Vec3f> normals = vertex_normals(surface.mesh);
         std::vector<Shares> carried(vertices.size());
+        std::vector<Tissue> tissues(vertices.size(), surface.tissue);
         parallel::for_each(vertices.size(), 256, [&](std::size_t i) {
-            const bool soft = surface.tissue == Tissue::soft;
-            const Tissue tissue = soft ? anatomy.visible_tissue(vertices[i]) : surface.tissue;
-            carried[i] = skinner(vertices[i], tissue, normals[i]);
+            if (surface.tissue == Tissue::soft) {
+                tissues[i] = anatomy.visible_tissue(vertices[i]);
+            }
+            carried[i] = skinner(vertices[i], tissues[i], normals[i]);
         });
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
             repair_skin_weights(patient, surface.mesh, carried);
@@ -145,7 +147,7 @@ void skin_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patien
             }
         }
         if (surface.tissue == Tissue::soft || surface.tissue == Tissue::tongue) {
-            smooth_skin_weights(anatomy, patient, surface.mesh, carried);
+            smooth_skin_weights(anatomy, patient, surface.mesh, tissues, carried);
         }
         surface.skin.resize(vertices.size());
         std::ranges::transform(carried, surface.skin.begin(), heaviest);

@@ -64,6 +64,8 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
             add(place(39.0f * side, -18.0f, 0.0f), place(39.0f * side, -16.0f, 18.0f), 9e-3f, 0.9f);
         }
     }
+    // Uvula and the free edge of the velum.
+    add(place(-5.0f, 5.0f, -9.0f), place(5.0f, 5.0f, -9.0f), 4e-3f, 0.5f);
     add(upper_lip, place(0.0f, 0.0f, 0.0f), 40e-3f, 2.0f);
     hem_ = place(0.0f, -18.0f, -84.0f);
     down_ = (place(0.0f, -18.0f, -120.0f) - hem_).normalized();

@@ -160,9 +160,10 @@ Shares Skinner::by_tissue(const Vec3f& point, Tissue tissue, const Vec3f& normal
     const ParticleSet& set = patient_.particles;
     const auto family = static_cast<std::size_t>(family_of(tissue));
     const float radius = kernel_reach * spacing_;
-    // The plate is thin, with folds on both sides, and so are the folds: both faces move together.
-    const bool thin =
-        tissue == Tissue::epiglottis || tissue == Tissue::larynx || tissue == Tissue::vocal_cord;
+    // The plate is thin, with folds on both sides, and so are the folds and the soft palate: both faces move
+    // together.
+    const bool thin = tissue == Tissue::epiglottis || tissue == Tissue::larynx ||
+                      tissue == Tissue::vocal_cord || tissue == Tissue::palate;
     const Vec3f outward = thin ? Vec3f(Vec3f::Zero()) : normal;
     Sums sums(patient_.frame_rest_centre.size());
     grids_[family].within(point, radius, [&](std::uint32_t k, float squared) {

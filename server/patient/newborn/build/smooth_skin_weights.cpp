@@ -64,6 +64,8 @@ constexpr float held_above = 0.08f;
 constexpr float relaxed_radius = 0.6f;
 // A millimetre: the root of their number, times an edge of 0.3 mm and the weight of the neighbours.
 constexpr int relaxing_sweeps = 24;
+// Two millimetres, likewise.
+constexpr int velum_sweeps = 60;
 
 // [m], distances from an edge overstretched by smoothing: within the first, smoothing is undone, fading out
 // to the second.
@@ -116,7 +118,7 @@ Frames lifted(const Anatomy& anatomy, const Patient& patient) {
 class SkinWeightSmoother {
   public:
     SkinWeightSmoother(const Anatomy& anatomy, const Patient& patient, const TriangleMesh& mesh,
-                       std::span<Shares> carried)
+                       std::span<const Tissue> tissues, std::span<Shares> carried)
         : mesh_(mesh), carried_(carried), around_(mesh), place_(carried.size()) {
         trials_[0] = lifted(anatomy, patient);
         std::size_t trial = 1;
@@ -129,6 +131,19 @@ class SkinWeightSmoother {
         find_across();
         hold(anatomy);
         find_plate(anatomy, patient);
+        for (std::uint32_t v = 0; v < held_.size(); ++v) {
+            if (held_[v] == 0 && tissues[v] == Tissue::palate) {
+                velum_.push_back(v);
+            }
+        }
+    }
+
+    /// Smooths all weights of the soft palate: the tongue on it leaves no room for particles in its lower
+    /// part, which moves with the skull, while its root is released as the tongue is lifted.
+    void relax_velum() {
+        for (int sweep = 0; sweep < velum_sweeps; ++sweep) {
+            take_mean_of_neighbours(velum_);
+        }
     }
 
     /// Smooths all weights about larynx and plate: clusters a millimetre apart move differently in a lift,
@@ -396,6 +411,7 @@ class SkinWeightSmoother {
     std::vector<std::uint8_t> held_;        // [vertices]
     std::vector<std::uint8_t> near_plate_;  // [vertices]
     std::vector<std::uint8_t> of_plate_;    // [frames]
+    std::vector<std::uint32_t> velum_;      // vertices that are not held
     std::size_t frames_ = 0;
     std::vector<Shares> means_;
     Places place_;
@@ -404,8 +420,9 @@ class SkinWeightSmoother {
 }  // namespace
 
 void smooth_skin_weights(const Anatomy& anatomy, const Patient& patient, const TriangleMesh& mesh,
-                         std::span<Shares> carried) {
-    SkinWeightSmoother smoother(anatomy, patient, mesh, carried);
+                         std::span<const Tissue> tissues, std::span<Shares> carried) {
+    SkinWeightSmoother smoother(anatomy, patient, mesh, tissues, carried);
+    smoother.relax_velum();
     smoother.relax(anatomy);
     smoother.level();
 }

@@ -13,7 +13,8 @@ namespace eti::patient {
 /// differ: beside the plate, in the valleculae and under it. There the weights of all frames are smoothed
 /// along the surface, as widely as needed, until no edge exceeds the stretch limit under motion of bones and
 /// under a blade's lift. `carried`: weights, which sum to one before and after.
+/// `tissues`: of the vertices.
 void smooth_skin_weights(const Anatomy& anatomy, const Patient& patient, const TriangleMesh& mesh,
-                         std::span<Shares> carried);
+                         std::span<const Tissue> tissues, std::span<Shares> carried);
 
 }  // namespace eti::patient

@@ -22,9 +22,11 @@ VisibleFields Newborn::visible_fields(const Vec3f& point) const {
     }
     const float tongue = visible_tongue(to_tongue(p), shape_.tongue_scale);
     const Gums gums = visible_gums(p, in_jaw);
-    const float organs = std::min({visible_palate(p), gums.upper, gums.lower, visible_laryngeal_solid(p)});
+    const float throat = smooth_union(throat_and_mouth(p, in_jaw, rest_jaw_deg_, shape_.mouth_scale),
+                                      room_of_velum(p, tongue), 1.0f);
+    const float organs = std::min({gums.upper, gums.lower, visible_laryngeal_solid(p)});
     const float air = smooth_union(
-        smooth_difference(throat_and_mouth(p, in_jaw, rest_jaw_deg_, shape_.mouth_scale), organs, 0.5f),
+        smooth_difference(smooth_difference(throat, visible_palate(p, tongue), 0.8f), organs, 0.5f),
         visible_laryngeal_lumen(p), 0.3f);
     // Leaves no visible gap between tongue and floor of the mouth.
     constexpr float overlap = 0.5f;
@@ -53,6 +55,10 @@ Tissue Newborn::visible_tissue(const Vec3f& point) const {
     const Tissue lined = lining(point);
     if (lined != Tissue::soft) {
         return lined;
+    }
+    // Farther down the arches are part of the pharyngeal wall, which moves with the neck, too.
+    if (p.z() > -15.0f && visible_palate(p, visible_tongue(to_tongue(p), shape_.tongue_scale)) < near) {
+        return Tissue::palate;
     }
     if (p.z() < -24.0f && visible_laryngeal_solid(p) < near) {
         return Tissue::larynx;

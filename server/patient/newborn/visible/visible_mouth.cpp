@@ -20,12 +20,38 @@ float segments(const Vec3f& q) {
     return 0.28f * std::cos(turn * around / 0.36f + 0.5f * turn) * smoothstep(14.0f, 24.0f, q.y());
 }
 
-/// A sheet across the throat at `anterior`, below `top`, with an opening that is arched above `from`, of half
-/// width `wide` and height `high` over it.
-float arch(const Vec3f& p, float anterior, float from, float wide, float high, float top) {
-    const float above = std::max(p.z() - from, 0.0f) / high;
-    const float opening = (std::hypot(p.x() / wide, above) - 1.0f) * wide;
-    return smooth_intersection(std::max(std::fabs(p.y() - anterior) - 0.7f, p.z() - top), -opening, 1.0f);
+// The soft palate rests on the tongue, and its parts are placed by their distance from it [mm]: where a large
+// tongue cut it, thin flaps remained, which a lift turned over.
+constexpr float tongue_gap = 0.35f;  // between them: a fold of the surface, not a contact
+constexpr float sheet_half = 0.8f;   // half thickness of velum and free edge
+constexpr float uvula_centre = 1.05f, uvula_radius = 0.95f;
+constexpr float room_behind = 1.5f;  // between velum and posterior wall
+
+float uvula(const Vec3f& p, float tongue) {
+    const float off = std::max({-12.4f - p.z(), p.z() + 7.0f, 0.0f});
+    return std::hypot(p.x(), tongue - (tongue_gap + uvula_centre), off) -
+           (uvula_radius + 0.2f * smoothstep(-8.0f, -12.0f, p.z()));
+}
+
+/// Velum, uvula, and to either side the palatoglossal arch, down to the tongue's flank, and the
+/// palatopharyngeal arch, down the pharyngeal wall. `tongue`: distance from it.
+float visible_soft_palate(const Vec3f& p, float tongue) {
+    const Vec3f q = mirrored(p);
+    const Vec3f flat(p.x() * 0.22f, p.y(), p.z());
+    const float root = smooth_intersection(
+        chain(flat, {{0, 20, 4.6f}, {0, 14, 3.0f}, {0, 9.5f, -1.5f}, {0, 8.2f, -5.0f}}, 2.2f, 1.4f),
+        q.x() - 12.0f, 1.2f);
+    // The free edge arches upwards on both sides of the uvula.
+    const float edge = -9.6f + 1.2f * smoothstep(1.0f, 4.0f, q.x()) - 3.2f * smoothstep(4.0f, 9.0f, q.x());
+    float sheet = std::fabs(tongue - (tongue_gap + sheet_half)) - sheet_half;
+    sheet = smooth_intersection(sheet, edge - p.z(), 1.2f);
+    sheet = smooth_intersection(smooth_intersection(sheet, p.y() - 12.5f, 2.0f), q.x() - 12.0f, 1.2f);
+    const float front =
+        chain(q, {{7, 12, 1}, {10.6f, 12, -5}, {11.6f, 12.5f, -12}, {10.8f, 13, -18}}, 1.3f, 1.1f);
+    const float back =
+        chain(q, {{5, 3.2f, -8}, {8.2f, 2.6f, -12.5f}, {9, 2.4f, -18}, {8.6f, 1.6f, -25}}, 1.3f, 1.0f);
+    const float arched = smooth_union(smooth_union(root, sheet, 1.5f), std::min(front, back), 2.2f);
+    return smooth_intersection(smooth_union(arched, uvula(p, tongue), 1.2f), tongue_gap - tongue, 0.7f);
 }
 
 }  // namespace
@@ -35,7 +61,7 @@ Gums visible_gums(const Vec3f& p, const Vec3f& in_jaw) {
     return {plain.upper - segments(mirrored(p)), plain.lower - segments(mirrored(in_jaw))};
 }
 
-float visible_palate(const Vec3f& p) {
+float visible_palate(const Vec3f& p, float tongue) {
     const Vec3f q = mirrored(p);
     // Rugae: four ridges to either side, curved, and the raphe between them.
     const float vault = oral_vault(p);
@@ -46,21 +72,14 @@ float visible_palate(const Vec3f& p) {
     const float raphe = 0.35f * std::exp(-p.x() * p.x() / 0.6f) * smoothstep(20.0f, 26.0f, p.y());
     const float plate = smooth_intersection(vault - 3.4f, -(vault - 1.2f + rugae + raphe), 0.5f);
     const float hard = smooth_intersection(plate, std::max(18.5f - p.y(), -0.5f - p.z()), 0.5f);
-    // The velum's free edge arches upwards on both sides of the uvula.
-    const Vec3f flat(p.x() * 0.22f, p.y(), p.z());
-    const float edge = -10.2f + 1.3f * smoothstep(1.5f, 7.0f, q.x());
-    const float velum = smooth_intersection(
-        std::max(
-            chain(flat, {{0, 20, 4.6f}, {0, 14, 3.0f}, {0, 9.5f, -1.5f}, {0, 8.2f, -6}, {0, 8.4f, -8.5f}},
-                  2.4f, 1.5f),
-            q.x() - 12.0f),
-        edge - p.z(), 1.2f);
-    const float uvula = round_cone(p, {0, 8.6f, -5.5f}, {0, 8.9f, -11.0f}, 1.5f, 1.15f);
-    // Palatoglossal arch, down to the tongue's sides, and palatopharyngeal arch, down the pharyngeal wall.
-    const float front = arch(p, 12.0f, -12.0f, 11.3f, 12.5f, 0.5f);
-    const float back = arch(p, 6.0f + 0.12f * (p.z() + 8.0f), -15.0f, 9.5f, 11.0f, -3.5f);
-    const float soft = smooth_union(smooth_union(velum, uvula, 1.2f), std::min(front, back), 1.2f);
-    return std::min(hard, soft);
+    return std::min(hard, visible_soft_palate(p, tongue));
+}
+
+float room_of_velum(const Vec3f& p, float tongue) {
+    const float behind = tongue - (tongue_gap + 2.0f * sheet_half + room_behind);
+    const float middle =
+        smooth_intersection(smooth_intersection(behind, p.y() - 8.0f, 1.0f), std::fabs(p.x()) - 6.5f, 2.0f);
+    return std::max({middle, -15.0f - p.z(), p.z() - 2.0f});
 }
 
 float visible_tongue(const Vec3f& in_tongue, float scale) {
