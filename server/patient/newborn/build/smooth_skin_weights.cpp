@@ -64,8 +64,10 @@ constexpr float held_above = 0.08f;
 constexpr float relaxed_radius = 0.6f;
 // A millimetre: the root of their number, times an edge of 0.3 mm and the weight of the neighbours.
 constexpr int relaxing_sweeps = 24;
-// Two millimetres, likewise.
-constexpr int velum_sweeps = 60;
+// Three millimetres, likewise; in lengths of the plate: distance from the valleculae within which the palate
+// is soft.
+constexpr int velum_sweeps = 140;
+constexpr float velum_radius = 1.9f;
 
 // [m], distances from an edge overstretched by smoothing: within the first, smoothing is undone, fading out
 // to the second.
@@ -131,8 +133,10 @@ class SkinWeightSmoother {
         find_across();
         hold(anatomy);
         find_plate(anatomy, patient);
+        const Vec3f vallecula = anatomy.landmarks()[static_cast<std::size_t>(Landmark::vallecula)];
+        const float reach = velum_radius * plate_of(anatomy).length();
         for (std::uint32_t v = 0; v < held_.size(); ++v) {
-            if (held_[v] == 0 && tissues[v] == Tissue::palate) {
+            if (tissues[v] == Tissue::palate && (mesh.vertices[v] - vallecula).norm() < reach) {
                 velum_.push_back(v);
             }
         }
@@ -411,7 +415,7 @@ class SkinWeightSmoother {
     std::vector<std::uint8_t> held_;        // [vertices]
     std::vector<std::uint8_t> near_plate_;  // [vertices]
     std::vector<std::uint8_t> of_plate_;    // [frames]
-    std::vector<std::uint32_t> velum_;      // vertices that are not held
+    std::vector<std::uint32_t> velum_;      // vertices of the soft palate
     std::size_t frames_ = 0;
     std::vector<Shares> means_;
     Places place_;
