@@ -108,7 +108,7 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
         EdgeLength edge = nullptr;
     };
     const std::array<Vec3f, 2> all = anatomy.visible_bounds();
-    const EdgeLength of_place = [&](const Vec3f& p) { return detail.edge(p); };
+    const EdgeLength of_body = [&](const Vec3f& p) { return detail.body_edge(p); };
     const EdgeLength of_cloth = [&](const Vec3f& p) { return detail.cloth_edge(p); };
     // The tongue's silhouette, with edges under 10 pixels in the trainee's view, needs a higher resolution
     // than other surfaces of the mouth.
@@ -119,7 +119,7 @@ void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patie
     const EdgeLength of_tongue = [&](const Vec3f& p) { return tongue_finer * detail.edge(p); };
     // The body takes as long as all others. The hyoid is embedded in soft tissue and moves with it.
     const std::array drawn = {
-        Drawn{"body", Tissue::soft, settings.body_triangles, &VisibleFields::body, nullptr, all, of_place},
+        Drawn{"body", Tissue::soft, settings.body_triangles, &VisibleFields::body, nullptr, all, of_body},
         Drawn{"tongue",
               Tissue::tongue,
               22000,

@@ -64,8 +64,7 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
             add(place(39.0f * side, -18.0f, 0.0f), place(39.0f * side, -16.0f, 18.0f), 9e-3f, 0.9f);
         }
     }
-    // Uvula and the free edge of the velum.
-    add(place(-5.0f, 5.0f, -9.0f), place(5.0f, 5.0f, -9.0f), 4e-3f, 0.5f);
+    uvula_ = {place(-5.0f, 5.0f, -9.0f), place(5.0f, 5.0f, -9.0f), 4e-3f * size, 0.5f * spacing * size};
     add(upper_lip, place(0.0f, 0.0f, 0.0f), 40e-3f, 2.0f);
     hem_ = place(0.0f, -18.0f, -84.0f);
     down_ = (place(0.0f, -18.0f, -120.0f) - hem_).normalized();
@@ -80,10 +79,18 @@ SizingField::SizingField(const Anatomy& anatomy, float spacing)
 float SizingField::edge(const Vec3f& point) const {
     float finest = std::min(coarsest_, spacing_ * anatomy_.visible_detail(point));
     for (const Part& part : parts_) {
-        const float off = std::max(offset_from_segment(part.from, part.to, point).norm() - part.reach, 0.0f);
-        finest = std::min(finest, part.edge + growth * off);
+        finest = std::min(finest, edge_at(part, point));
     }
     return finest;
+}
+
+float SizingField::body_edge(const Vec3f& point) const {
+    return std::min(edge(point), edge_at(uvula_, point));
+}
+
+float SizingField::edge_at(const Part& part, const Vec3f& point) {
+    const float off = std::max(offset_from_segment(part.from, part.to, point).norm() - part.reach, 0.0f);
+    return part.edge + growth * off;
 }
 
 float SizingField::cloth_edge(const Vec3f& point) const {

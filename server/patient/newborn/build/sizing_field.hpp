@@ -16,6 +16,8 @@ class SizingField {
 
     /// Edge length [m] of triangles at a point. Its gradient is at most a quarter.
     [[nodiscard]] float edge(const Vec3f& point) const;
+    /// The same for the body, which is finer at the uvula and the free edge of the velum.
+    [[nodiscard]] float body_edge(const Vec3f& point) const;
     /// The same for the cloth: finest at its hem and around its far end, whose outlines are visible.
     [[nodiscard]] float cloth_edge(const Vec3f& point) const;
 
@@ -31,8 +33,11 @@ class SizingField {
         float reach;     // [m]
         float edge;      // [m]
     };
+    [[nodiscard]] static float edge_at(const Part& part, const Vec3f& point);
+
     const Anatomy& anatomy_;
     std::vector<Part> parts_;
+    Part uvula_{};
     float coarsest_;
     float size_;     // relative to the term newborn
     float spacing_;  // relative to 1 mm
