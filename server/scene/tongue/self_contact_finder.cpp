@@ -182,16 +182,21 @@ void SelfContactFinder::build_distance(const Description& description) {
     distance_.value.assign(
         static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), 0.0f);
     parallel::for_each(nz, 1, [&, nx = nx, ny = ny](int z) {
+        constexpr float same = 1e-6f;  // [m]
+        constexpr float far = 1.0f;    // [m]
         for (int y = 0; y < ny; ++y) {
+            // No farther than from the node before, and the way from there; with room for all that are the
+            // same.
+            float reach = far, reach_free = far;
             for (int x = 0; x < nx; ++x) {
                 const Vec3f at = distance_.node(x, y, z);
-                float nearest = std::numeric_limits<float>::max();
-                float nearest_free = nearest;
+                float nearest = far;
+                float nearest_free = far;
                 float alignment = 0.0f;  // among triangles at one edge or corner, the one that faces the node
                 bool outside = false;
                 for (const Triangle& t : triangles) {
-                    const float at_least = (at - t.centre).norm() - t.radius;
-                    if (at_least > nearest && (!t.free || at_least > nearest_free)) {
+                    const float most = (t.free ? std::max(reach, reach_free) : reach) + t.radius;
+                    if ((at - t.centre).squaredNorm() > most * most) {
                         continue;
                     }
                     const Vec3f away =
@@ -199,9 +204,10 @@ void SelfContactFinder::build_distance(const Description& description) {
                     const float distance = away.norm();
                     if (t.free) {
                         nearest_free = std::min(nearest_free, distance);
+                        reach_free = std::min(reach_free, distance + 10.0f * same);
                     }
+                    reach = std::min(reach, distance + 10.0f * same);
                     const float facing = std::fabs(t.normal.dot(away)) / std::max(distance, 1e-9f);
-                    constexpr float same = 1e-6f;  // [m]
                     if (distance < nearest - same || (distance < nearest + same && facing > alignment)) {
                         nearest = distance;
                         alignment = facing;
@@ -209,6 +215,8 @@ void SelfContactFinder::build_distance(const Description& description) {
                     }
                 }
                 distance_.value[distance_.index(x, y, z)] = outside ? nearest_free : -nearest_free;
+                reach += grid_spacing;
+                reach_free += grid_spacing;
             }
         }
     });
