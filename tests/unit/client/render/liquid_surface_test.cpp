@@ -206,6 +206,69 @@ TEST_F(LiquidPicture, BloodIsDarkRed) {
     EXPECT_LT(saliva[0], 1.5 * saliva[1]) << "of no colour of its own";
 }
 
+// Beer-Lambert: a deep pool of blood absorbs more than a film of it, and only red is left.
+TEST_F(LiquidPicture, DeepBloodIsDarkerThanFilm) {
+    const View& view = named("overview");
+    const Vec3f mouth = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.01f, -0.02f, 0.0f);
+    msg::SessionDescription description = source_.description;
+    description.liquid("blood");
+    const auto middle = [&](int layers, float spacing) {
+        std::vector<Vec3f> pool;
+        for (int k = 0; k < 24 * 24 * layers; ++k) {
+            pool.push_back(mouth +
+                           spacing * Eigen::Vector3i(k % 24 - 12, k / 576, k / 24 % 24 - 12).cast<float>());
+        }
+        view::SceneView scene = scene_;
+        scene.apply(description);
+        msg::FluidState message;
+        for (std::size_t chunk = 0; chunk < bus::fluid_chunk_count(pool.size()); ++chunk) {
+            bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), spacing, pool}, chunk,
+                                    message);
+            EXPECT_TRUE(scene.apply(message));
+        }
+        scene.update();
+        const render::Image image = picture(view, scene, Shading::lit);
+        const Eigen::Vector2f place = on_picture(view, scene, mouth).pixel;
+        const std::uint8_t* p = image.pixel(static_cast<int>(place.x()), static_cast<int>(place.y()));
+        return Colour{p[0], p[1], p[2]};
+    };
+    // One layer of 0.1 mm; six of 0.5 mm.
+    const Colour film = middle(1, 1e-4f), pool = middle(6, 5e-4f);
+    EXPECT_GT(film[0], pool[0] + 20);
+    EXPECT_GT(pool[0], 2 * pool[1]);
+    EXPECT_GT(film[0], film[1]);
+}
+
+// A drop of blood between lamp and skin darkens skin beside itself; saliva is too clear.
+TEST_F(LiquidPicture, DropOfBloodCastsShadow) {
+    const View& view = named("overview");
+    constexpr float spacing = 6e-3f;
+    const Vec3f drop = at(scene_.landmarks(), Landmark::mouth_opening) + Vec3f(-0.012f, -0.022f, 0.0f);
+    const auto beside = [&](const char* liquid) {
+        msg::SessionDescription description = source_.description;
+        description.liquid(std::string(liquid));
+        view::SceneView wet = scene_;
+        wet.apply(description);
+        msg::FluidState message;
+        bus::encode_fluid_chunk({Vec3f::Constant(-0.1f), Vec3f::Constant(0.1f), spacing, std::vector{drop}},
+                                0, message);
+        EXPECT_TRUE(wet.apply(message));
+        wet.update();
+        const OnPicture middle = on_picture(view, wet, drop);
+        const float radius = 0.62f * spacing * middle.pixels_per_metre + 2.0f;
+        const render::Image dry = picture(view, scene_, Shading::lit),
+                            image = picture(view, wet, Shading::lit);
+        int darker = 0;
+        for (const Eigen::Vector2f& p : differing_pixels(dry, image)) {
+            const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
+            darker += (p - middle.pixel).norm() > radius && image.pixel(x, y)[0] < dry.pixel(x, y)[0] ? 1 : 0;
+        }
+        return darker;
+    };
+    EXPECT_GT(beside("blood"), 10);
+    EXPECT_EQ(beside("saliva"), 0);
+}
+
 // Surfaces touched by liquid stay wet, dry with a time constant of 25 s, and are dry where there was none.
 TEST_F(LiquidPicture, LiquidLeavesDryingFilm) {
     const View& view = named("overview");
