@@ -21,11 +21,13 @@ struct LiquidOptics {
     switch (kind) {
         case LiquidKind::blood: {
             // 150 g/l of haemoglobin, 70 % oxygenated, at 630, 540 and 460 nm: 2.303 times the molar
-            // extinction of Prahl's tables (omlc.org/spectra/hemoglobin). The albedo is that of whole blood
-            // (Bosschaart et al. 2014, Lasers Med Sci 29:453), which scatters red only. A film is 30 um
-            // thick, and light passes it twice.
+            // extinction of Prahl's tables (omlc.org/spectra/hemoglobin). In a layer, scattering lengthens
+            // the path: the attenuation is that of diffusion, sqrt(3 a (a + s)), with a reduced scattering of
+            // 1.5/mm (whole blood; Bosschaart et al. 2014, Lasers Med Sci 29:453). The albedo, of red only,
+            // is from the same source. A film is 30 um thick, and light passes it twice.
             const Vec3f absorbed(0.91f, 27.0f, 20.0f);
-            return {absorbed,
+            const Vec3f attenuated = (3.0f * absorbed.array() * (absorbed.array() + 1.5f)).sqrt().matrix();
+            return {attenuated,
                     14.0f,
                     Vec3f(0.10f, 0.008f, 0.009f),
                     Vec3f(0.36f, 0.05f, 0.05f),

@@ -169,7 +169,7 @@ LiquidSurface::LiquidSurface()
 void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail,
                            LiquidKind kind) {
     optics_ = optics_of(kind);
-    foaming_ = properties_of(kind).foaming;
+    froths_ = properties_of(kind).foaming > 0.5f;
     particle_count_ = positions.size();
     extent_.clear();
     radius_ = spacing;
@@ -312,6 +312,9 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     if (context.quality.fine) {
         defines.emplace_back("FINE");
     }
+    if (context.quality.fine && froths_) {
+        defines.emplace_back("FROTH");
+    }
     ShaderProgram& surface = surface_.variant(defines);
     surface.use();
     context.lighting.apply(surface, camera.eye);
@@ -326,8 +329,7 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     surface.set("extinction", optics_.extinction);
     surface.set("deepest", optics_.max_depth);
     surface.set("albedo", optics_.albedo);
-    surface.set("froth", Eigen::Vector4f(optics_.froth.homogeneous().cwiseProduct(
-                             Eigen::Vector4f(1.0f, 1.0f, 1.0f, foaming_))));
+    surface.set("froth", optics_.froth);
     surface.set("depth", 0);
     surface.set("thickness", 1);
     bind(GL_TEXTURE1, layers_->thickness);

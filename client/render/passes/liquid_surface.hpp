@@ -82,8 +82,8 @@ class LiquidSurface {
     std::vector<Vec3f> extent_;  // points that bound everything drawn
     GLsizei filament_count_ = 0;
     LiquidOptics optics_ = optics_of(LiquidKind::saliva);
-    float foaming_ = 0.0f;  // 0-1
-    float radius_ = 0.0f;   // [m], of a particle in bulk liquid: its spacing
+    bool froths_ = true;
+    float radius_ = 0.0f;  // [m], of a particle in bulk liquid: its spacing
     Eigen::AlignedBox3f box_;
     std::optional<Layers> layers_;
 };

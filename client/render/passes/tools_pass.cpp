@@ -20,7 +20,7 @@ constexpr int behind_unit = 5;                          // shadow maps use the u
 constexpr int numerals_unit = 13;                       // after the environment's
 const Eigen::Vector4f glowing(2.6f, 2.4f, 2.1f, 1.0f);  // linear light of the lamp's glass
 // The halo's size relative to the glass, and its brightness in the middle relative to the glass.
-constexpr float halo_size = 3.0f, halo_light = 0.35f;
+constexpr float halo_size = 3.0f, halo_light = 0.2f;
 
 }  // namespace
 

@@ -53,16 +53,17 @@ Solid handle_parts(const Capsule& handle) {
     return parts;
 }
 
-// Block of the hook-on fitting at the heel, with the pin on which the blade hooks and the ball that locks it.
+// Block of the hook-on fitting around the neck, with the pin on which the blade hooks and the ball that locks
+// it.
 Solid fitting() {
     Solid parts =
-        rounded_box(Vec3f(0.0f, 13.2e-3f, 0.4e-3f), Vec3f(4.6e-3f, 3.6e-3f, 5.2e-3f), 0.7e-3f, steel_colour);
-    const std::array<Ring, 2> pin{
-        {{Vec3f(-5.1e-3f, 14.6e-3f, 3.0e-3f), 1.1e-3f}, {Vec3f(5.1e-3f, 14.6e-3f, 3.0e-3f), 1.1e-3f}}};
-    parts.append(sweep(pin, 14, dark_steel));
-    const std::array<Ring, 2> ball{
-        {{Vec3f(-4.95e-3f, 12.0e-3f, -2.2e-3f), 0.8e-3f}, {Vec3f(4.95e-3f, 12.0e-3f, -2.2e-3f), 0.8e-3f}}};
-    parts.append(sweep(ball, 12, dark_steel));
+        rounded_box(Vec3f(0.0f, 12.6e-3f, 0.0f), Vec3f(6.1e-3f, 2.4e-3f, 6.1e-3f), 1.2e-3f, steel_colour);
+    const auto across = [&](float y, float z, float half, float radius) {
+        const std::array<Ring, 2> ends{{{Vec3f(-half, y, z), radius}, {Vec3f(half, y, z), radius}}};
+        parts.append(sweep(ends, 14, dark_steel));
+    };
+    across(13.4e-3f, 2.4e-3f, 6.4e-3f, 1.0e-3f);
+    across(12.0e-3f, -2.6e-3f, 6.25e-3f, 0.7e-3f);
     return parts;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // The liquid's surface, blended over the opaque scene with a transmittance per colour channel
-// (dual-source blending). Defines: LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS, FINE (relief of a thin film, and froth at
-// the edges of a liquid that foams).
+// (dual-source blending). Defines: LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS, FINE (relief of a thin film), FROTH
+// (at the edges of a liquid that foams; requires FINE).
 #define LOOKED_UP
 in vec2 at;
 vec3 world;
@@ -21,12 +21,14 @@ uniform vec3 extinction;        // [1/mm]
 uniform float deepest;          // [mm]
 uniform vec3 albedo;
 #ifdef FINE
-uniform vec4 froth;             // albedo, tendency to foam
 // A film follows the relief of the wet coat below, whose waves are 1 to 2 mm long.
 vec3 relief(vec3 p) {
     p *= 3.7e3;
     return sin(p.yzx + 1.7 * sin(0.61 * p.zxy)) + 0.5 * sin(2.3 * p.zxy + 1.3 * sin(1.1 * p.xyz));
 }
+#endif
+#ifdef FROTH
+uniform vec3 froth;             // albedo
 float hash(vec3 cell) { return fract(sin(dot(cell, vec3(12.9898, 78.233, 37.719))) * 43758.5453); }
 // One layer of bubbles, one to a cell of `size` [m]: shells that are clear in the middle.
 float bubbles(vec3 p, float size) {
@@ -85,10 +87,10 @@ void main() {
     // Light passes down to the tissue and up again.
     vec3 clear = exp(-2.0 * extinction * min(through, deepest));
     vec3 body = albedo;
-#ifdef FINE
-    float foamy = froth.a * (1.0 - smoothstep(0.1, 0.7, through)) *
+#ifdef FROTH
+    float foamy = (1.0 - smoothstep(0.1, 0.7, through)) *
                   max(bubbles(world, 0.55e-3), bubbles(world + 0.19e-3, 0.3e-3));
-    body = mix(body, froth.rgb, foamy);
+    body = mix(body, froth, foamy);
     clear *= 1.0 - 0.7 * foamy;
 #endif
     vec3 scattered = 1.2 * open * ambient(n);

@@ -47,9 +47,11 @@ vec4 printed(float turn) {
     vec2 at = (vec2(along - slot * advance, 1.0 - down) + numeral_cell.xy) / numeral_cell.zw;
     bool inside = at == clamp(at, 0.0, 1.0) && slot > -0.5 && slot < (back ? 2.5 : two ? 1.5 : 0.5);
     float blur = clamp(2.4 * pixel_size / (height * circumference), 0.03, 0.5);
-    float within = textureLod(numerals, vec2((glyph + clamp(at.x, 0.01, 0.99)) / 11.0, at.y), 0.0).r;
-    float digits = (inside ? smoothstep(0.5 - blur, 0.5 + blur, within) : 0.0) * step(1.0, centimetres) *
-                   step(course_at.x, tube_length) * (1.0 - band);
+    float digits = 0.0;
+    if (inside && number > 0.5 && course_at.x < tube_length) {
+        float within = textureLod(numerals, vec2((glyph + clamp(at.x, 0.01, 0.99)) / 11.0, at.y), 0.0).r;
+        digits = smoothstep(0.5 - blur, 0.5 + blur, within) * (1.0 - band);
+    }
     return vec4(mix(vec3(0.012, 0.014, 0.02), vec3(0.02, 0.09, 0.40), line * (1.0 - band)), max(max(max(mark, digits), 0.85 * line), band));
 }
 void main() {
