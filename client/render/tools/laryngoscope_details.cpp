@@ -89,8 +89,8 @@ Solid blade_parts(const Laryngoscope& scope) {
                           [&](float z) {
                               const float width = 2.0f * plate.outline(z), wall = flange_share * width;
                               const float crown = plate.crown * width / plate.wide;
-                              const float radius = 0.5f * wall + 0.12e-3f;
-                              const float down = plate_thickness + flange_at(z) + crown - radius + 0.12e-3f;
+                              const float radius = 0.5f * wall + 0.1e-3f;
+                              const float down = plate_thickness + flange_at(z) + crown - radius + 0.1e-3f;
                               return Ring{Vec3f(0.5f * (width - wall), plate.height(z) - down, z), radius};
                           }),
               10, steel_colour);

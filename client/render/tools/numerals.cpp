@@ -35,7 +35,7 @@ Stroke then(Stroke first, const Stroke& second) {
 }
 
 std::vector<Stroke> six() {
-    return {arc({0.28f, 0.31f}, {0.28f, 0.31f}, 0, 360), arc({0.52f, 0.38f}, {0.52f, 0.60f}, 185, 95)};
+    return {arc({0.28f, 0.31f}, {0.28f, 0.31f}, 0, 360), arc({0.52f, 0.31f}, {0.52f, 0.68f}, 180, 95)};
 }
 
 // Centre lines, the lower left corner at the origin.
