@@ -58,7 +58,9 @@ void main() {
     // its length keeps the volume.
     depths = vec2(half_depth, 4000.0 * half_depth * sqrt(1.0 + dot(ray, ray)) * volume / own);
     gl_Position = projection * p;
-    gl_PointSize = max(height * projection[1][1] * reach / gl_Position.w, 1.0);
+    float across = height * projection[1][1] * reach / gl_Position.w;
+    gl_PointSize = max(across, 1.0);
+    depths.y *= min(across * across, 1.0);      // of the pixel, where that is larger
     // Nothing protrudes from the section plane.
     if (dot(clip_plane, vec4(position, 1.0)) < size) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
