@@ -81,7 +81,6 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
         spare = {plain.vertices, std::vector<VertexColour>(plain.vertices.size(), steel.front()),
                  plain.triangles};
         const Solid details = laryngoscope_details(scene.keys()->laryngoscope());
-        spare.append(details);
         blade_details_.emplace(details.triangles, details.vertices, details.colours);
         bulb_.emplace(bulb_mesh(lamp));
     }

@@ -77,9 +77,9 @@ void ToolsPass::draw_blade(const DrawContext& context, const SceneMeshes& meshes
         meshes.blade()->draw();
         return;
     }
-    for (const auto* mesh : {&meshes.blade(), &meshes.blade_details()}) {
+    const auto use = [&](bool knurl) {
         ShaderProgram::Defines defines = shadows.defines(context, context.lamplit());
-        if (mesh == &meshes.blade_details()) {
+        if (knurl) {
             defines.emplace_back("DETAILS");
         }
         ShaderProgram& program = metal_.variant(defines);
@@ -88,8 +88,13 @@ void ToolsPass::draw_blade(const DrawContext& context, const SceneMeshes& meshes
         program.set("opacity", opacity);
         context.lighting.apply(program, context.camera.eye);
         shadows.apply(context, program);
-        (*mesh)->draw();
+    };
+    use(false);
+    meshes.blade()->draw();
+    if (context.quality.fine) {
+        use(true);
     }
+    meshes.blade_details()->draw();
     if (opacity == 1.0f) {
         draw_bulb(context, meshes, pose);
     }

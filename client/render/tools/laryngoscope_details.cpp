@@ -27,7 +27,7 @@ Solid turned(std::initializer_list<std::array<float, 2>> profile, VertexColour c
     for (const auto& [height, radius] : profile) {
         path.push_back({Vec3f(0.0f, millimetre * height, 0.0f), millimetre * radius});
     }
-    return sweep(path, 28, colour);
+    return sweep(path, 24, colour);
 }
 
 Solid handle_parts(const Capsule& handle) {

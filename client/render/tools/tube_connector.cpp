@@ -12,7 +12,7 @@
 namespace eti::render {
 namespace {
 
-constexpr std::uint32_t connector_sides = 28;
+constexpr std::uint32_t connector_sides = 24;
 constexpr float lug = 0.28f;  // of the flange's radius
 
 struct ProfilePoint {

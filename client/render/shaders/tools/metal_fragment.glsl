@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // Steel, brushed along the blade and around the handle: reflects the environment, or else bright panels over dark
-// surroundings. Defines: LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS, ENVIRONMENT, DETAILS (a handle's knurl where the
-// gloss is low).
+// surroundings. Defines: LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS, ENVIRONMENT, DETAILS (in fine pictures, the knurl
+// of a handle where the gloss is low).
 #include "scene/mesh_inputs.glsl"
 #include "scene/lighting.glsl"
 in vec4 colour_at;

@@ -4,7 +4,7 @@
 // it, the size on the back, the black guide line that should lie at the cords, Murphy's eye on the right, and the
 // connector behind the tube's end. Defines: REFRACT (near wall: refracts what was drawn before, including the far
 // wall, and tints it by the path through the wall), FAR (only the print on the far wall), ROOM_SHADOW, LAMP_SHADOW,
-// TAPS.
+// TAPS, LIGHTS.
 #include "scene/mesh_inputs.glsl"
 #include "scene/lighting.glsl"
 in vec3 course_at;
@@ -82,9 +82,14 @@ void main() {
     vec3 through = exp(-vec3(0.075, 0.052, 0.040) * chord);
     cover = max(max(1.0 - exp(-0.10 * chord), 0.6 * cut), max(0.92 * ink.a, hub));
 #endif
-    vec3 sum = albedo * ambient(n);
+#ifdef FAR
+    if (cover < 0.004) {
+        discard;    // nothing is printed here
+    }
+#endif
+    vec3 sum = albedo * ambient(n), glint = vec3(0.0);
     float shine = 0.0;
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         Arriving light = arriving(i);
         float nl = 0.5 + 0.5 * dot(n, light.direction);
         float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
@@ -93,6 +98,7 @@ void main() {
         float gloss = nh16 * nh16 * nh16 * nh16;
         sum += min(light.colour, vec3(1.5)) * (albedo * nl * nl + 0.9 * gloss);
         shine += gloss;
+        glint += 0.6 * light.colour * gloss * gloss * gloss;
     }
 #ifdef REFRACT
     // A hollow tube does not refract in its middle; towards the rim its walls deflect the
@@ -103,11 +109,7 @@ void main() {
     // PVC's refractive index of 1.54 reflects 4.5 % at normal incidence (Schlick 1994).
     float fresnel = 0.045 + 0.955 * rim * rim * rim * rim * rim;
     sum = mix(mix(seen, sum, cover), 1.2 * mirrored(reflect(-v, n), 0.15), 0.8 * fresnel * (1.0 - hub));
-    for (int i = 0; i < 2; ++i) {
-        Arriving light = arriving(i);
-        float nh = clamp(dot(n, normalize(light.direction + v)), 0.0, 1.0);
-        sum += 0.6 * light.colour * pow(nh, 220.0);
-    }
+    sum += glint;
     pixel = vec4(min(sum, brightest), 1.0);
 #elif defined(FAR)
     pixel = vec4(min(sum, brightest), cover);
