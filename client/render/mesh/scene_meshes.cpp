@@ -11,6 +11,8 @@
 
 #include "client/render/lighting.hpp"
 #include "client/render/mesh/creased_mesh.hpp"
+#include "client/render/tools/laryngoscope_details.hpp"
+#include "client/render/tools/tube_connector.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::render {
@@ -65,6 +67,7 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
     });
     patient_.build(scene);
     blade_.reset();
+    blade_details_.reset();
     bulb_.reset();
     Solid spare;
     if (scene.laryngoscope()) {
@@ -72,11 +75,13 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
         const CreasedMesh mesh = subdivide_long_edges(
             creased(*scene.laryngoscope(), crease_angle),
             [&](const Vec3f& at) { return std::max(shortest_edge, edge_by_distance * (at - lamp).norm()); });
-        const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
+        const std::vector<VertexColour> steel(mesh.vertices.size(), steel_colour);
         blade_.emplace(mesh.triangles, mesh.vertices, steel);
         const CreasedMesh plain = creased(*scene.laryngoscope(), crease_angle);
         spare = {plain.vertices, std::vector<VertexColour>(plain.vertices.size(), steel.front()),
                  plain.triangles};
+        const Solid details = laryngoscope_details(scene.keys()->laryngoscope());
+        blade_details_.emplace(details.triangles, details.vertices, details.colours);
         bulb_.emplace(bulb_mesh(lamp));
     }
     room_.build(scene, spare);
@@ -113,6 +118,9 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (const view::TubeSweep* sweep = scene.tube()) {
         if (!tube_) {
             tube_.emplace(sweep->triangles());
+            const TubeConnector connector = make_tube_connector(sweep->tube());
+            connector_.emplace(connector.triangles);
+            connector_->upload(connector.vertices);
         }
         if (tube_->revision != sweep->revision()) {
             tube_->upload(sweep->vertices());
@@ -120,6 +128,7 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
         }
     } else {
         tube_.reset();
+        connector_.reset();
     }
 }
 

@@ -34,9 +34,13 @@ class SceneMeshes {
     [[nodiscard]] PatientMesh& patient() { return patient_; }
     [[nodiscard]] const PatientMesh& patient() const { return patient_; }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
+    /// Parts of the laryngoscope that are only drawn.
+    [[nodiscard]] const std::optional<GpuMesh>& blade_details() const { return blade_details_; }
     [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
     [[nodiscard]] const RoomMeshes& room() const { return room_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
+    /// In the frame of TubeSweep::connector_pose().
+    [[nodiscard]] const std::optional<GpuMesh>& connector() const { return connector_; }
 
   private:
     using Appearances = std::map<std::string, SurfaceAppearance>;
@@ -48,9 +52,9 @@ class SceneMeshes {
     bool ready_ = false;
     std::future<Appearances> baking_;
     PatientMesh patient_;
-    std::optional<GpuMesh> blade_, bulb_;
+    std::optional<GpuMesh> blade_, blade_details_, bulb_;
     RoomMeshes room_;
-    std::optional<GpuMesh> tube_;
+    std::optional<GpuMesh> tube_, connector_;
 };
 
 }  // namespace eti::render

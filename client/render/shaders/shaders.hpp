@@ -31,6 +31,8 @@ extern const std::string_view tissue_lit_fragment;
 extern const std::string_view tissue_lit_vertex;
 
 // liquid
+extern const std::string_view drop_shadow_fragment;
+extern const std::string_view drop_shadow_vertex;
 extern const std::string_view foam_fragment;
 extern const std::string_view foam_vertex;
 extern const std::string_view liquid_surface_fragment;
@@ -39,6 +41,7 @@ extern const std::string_view sphere_fragment;
 extern const std::string_view sphere_vertex;
 
 // tools
+extern const std::string_view glow_fragment;
 extern const std::string_view metal_fragment;
 extern const std::string_view tube_fragment;
 
