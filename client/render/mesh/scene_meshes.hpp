@@ -12,6 +12,8 @@
 #include "client/render/mesh/gpu_mesh.hpp"
 #include "client/render/mesh/patient_mesh.hpp"
 #include "client/render/room/room_meshes.hpp"
+#include "client/render/skin/breathing.hpp"
+#include "client/render/skin/circulation.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
@@ -37,12 +39,15 @@ class SceneMeshes {
     [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
     [[nodiscard]] const RoomMeshes& room() const { return room_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
+    [[nodiscard]] const Circulation& circulation() const { return circulation_; }
 
   private:
     using Appearances = std::map<std::string, SurfaceAppearance>;
 
     void rebuild(const view::SceneView& scene);
     void take_appearances(Baking baking);
+    /// Follows the vital signs.
+    void live(const view::SceneView& scene);
 
     std::uint64_t scene_revision_ = 0;
     bool ready_ = false;
@@ -51,6 +56,8 @@ class SceneMeshes {
     std::optional<GpuMesh> blade_, bulb_;
     RoomMeshes room_;
     std::optional<GpuMesh> tube_;
+    Circulation circulation_;
+    Breathing breathing_;
 };
 
 }  // namespace eti::render
