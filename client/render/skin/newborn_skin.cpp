@@ -42,7 +42,9 @@ float on_scalp(const Vec3f& p) {
     const float line = -0.16f - 0.14f * smoothstep(0.3f, -0.6f, way.y()) +
                        0.08f * smoothstep(0.5f, 0.8f, std::fabs(way.x())) * smoothstep(0.0f, 0.5f, way.y());
     const float ragged = 0.09f * (value_noise(0.16f * p) - 0.5f) + 0.06f * (value_noise(0.5f * p) - 0.5f);
-    return smoothstep(line - 0.10f, line + 0.22f, way.dot(crown) + ragged);
+    const float auricle = smoothstep(39.0f, 43.0f, std::fabs(p.x())) * smoothstep(36.0f, 28.0f, p.z()) *
+                          smoothstep(-45.0f, -36.0f, p.y());
+    return (1.0f - auricle) * smoothstep(line - 0.12f, line + 0.45f, way.dot(crown) + ragged);
 }
 
 float on_brow(const Vec3f& p) {
@@ -83,8 +85,8 @@ Vec3f NewbornSkin::to_model(const Vec3f& point) const {
 }
 
 float NewbornSkin::hair(const Vec3f& p) const {
-    const float scalp = std::lerp(0.9f, 0.42f, prematurity_) * on_scalp(p);
-    const float brow = std::lerp(0.62f, 0.30f, prematurity_) * on_brow(p);
+    const float scalp = std::lerp(0.78f, 0.45f, prematurity_) * on_scalp(p);
+    const float brow = std::lerp(0.50f, 0.28f, prematurity_) * on_brow(p);
     return std::max({scalp, brow, 0.20f * prematurity_ * lanugo(p)});
 }
 
@@ -123,7 +125,7 @@ NewbornSkin::Look NewbornSkin::look(const Vec3f& p, float sky) const {
     towards(vernix_colour, 0.7f * vernix);
     skin.wetness += 0.25f * vernix;
     towards(lid_line_colour, 0.55f * on_lid_line(p));
-    towards(hair_colour, 0.5f * smoothstep(0.25f, 0.9f, hair(p)));
+    towards(hair_colour, 0.42f * smoothstep(0.25f, 0.9f, hair(p)));
     return skin;
 }
 

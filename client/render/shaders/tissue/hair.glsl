@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 // Hair on a newborn's skin: scalp, brows, lanugo and lashes, drawn into the albedo by place on the rest shape; include
-// after `blood`. Newborn places as NewbornSkin::to_model(). Draws nothing. Defines: none.
+// after `blood` and detail_at(). Newborn places as NewbornSkin::to_model(). Draws nothing. Defines: none.
 uniform sampler2D hairs;         // HairPattern
 uniform vec2 hair_tile;          // its size across and along [mm]
 uniform float newborn_size;      // relative to 3.5 kg
@@ -14,6 +14,14 @@ float turn_of(vec2 p, out float slope) {
     return wa <= wb ? a : b;
 }
 vec2 strands(float u, float v, vec2 dx, vec2 dy) { return textureGrad(hairs, vec2(u, v), dx, dy).rg; }
+// Veins that thin skin shows: the mucosa's vessels, enlarged, with the blue that tissue above them leaves.
+void show_veins(vec3 rest, vec3 n, float mucosa_share, inout vec3 albedo) {
+    float vein, mottling;
+    vec3 slope;
+    detail_at(rest / 7.0 + 0.031, n, vein, slope, mottling);
+    float thin = (1.0 - mucosa_share) * smoothstep(0.3, 0.6, blood_in(albedo));
+    albedo *= mix(vec3(1.0), vec3(0.66, 0.80, 0.98), mix(0.12, 0.75, prematurity) * thin * smoothstep(0.05, 0.6, vein));
+}
 void grow_hair(vec3 rest, float hair, inout vec3 albedo, inout float wet) {
     vec3 q = vec3(rest.x, -rest.y, rest.z) / (1e-3 * newborn_size) + vec3(0.0, 45.5, -6.9);
     float side = abs(q.x);
@@ -40,9 +48,9 @@ void grow_hair(vec3 rest, float hair, inout vec3 albedo, inout float wet) {
     vec2 strand = mix(strands(place.x, place.y, dx, dy), strands(second.x, second.y, 2.0 * dx, dy),
                       brow ? 0.0 : smoothstep(0.3, 0.7, later));
     float cover = clamp(3.0 * (strand.r - (1.0 - hair)) * step(0.01, hair), 0.0, 1.0);
-    float down = smoothstep(0.42, 0.25, hair);   // lanugo is pale
-    vec3 colour = mix(vec3(0.075, 0.046, 0.030), vec3(0.42, 0.27, 0.20), down) * (0.55 + 0.9 * strand.g);
-    albedo = mix(albedo, colour, cover * mix(0.82, 0.35, down));
+    float down = max(smoothstep(0.42, 0.25, hair), brow ? 0.5 : 0.0);   // lanugo is pale
+    vec3 colour = mix(vec3(0.075, 0.046, 0.030), vec3(0.42, 0.27, 0.20), down) * (0.3 + 1.5 * strand.g);
+    albedo = mix(albedo, colour, cover * mix(0.78, 0.35, down));
     wet = mix(wet, 0.2, cover);
     // The line between the lids, and lashes below it, which fused lids lack.
     float bend = (side - 19.2) / 9.3;

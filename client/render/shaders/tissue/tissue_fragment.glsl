@@ -69,6 +69,7 @@ void main() {
 #endif
     s.albedo = perfused(s.albedo, acral_of(relief_at.w));
 #ifdef HAIR
+    show_veins(rest_at, n, relief_at.y, s.albedo);
     grow_hair(rest_at, hair_of(relief_at.w), s.albedo, s.wet);
 #endif
     vec3 sum = without_lights(s, v);

@@ -176,7 +176,8 @@ float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_ja
     const float fillet = 4.0f + 10.0f * (1.0f - smoothstep(-22.0f, -12.0f, point.z()));
     const Vec3f usual = to_standard_face(closed, cranium_size);
     const Vec3f q = mirrored(usual);
-    const float face = smooth_union(body.distance(usual), closed_lids(q), 2.5f) + lid_folds(q);
+    const float face =
+        smooth_union(body.distance(usual), closed_lids(q), 2.5f) + lid_folds(q) + body.nail_relief(usual);
     const float skin = smooth_union(face, skin_field(point, in_jaw, cranium_size) + within, fillet);
     constexpr float over_bone = 1.2f, farthest = 5.0f;
     if (skin < -over_bone || skin > farthest) {
