@@ -14,7 +14,7 @@ namespace eti::render {
 namespace {
 
 const Vec3f cord_colour(0.97f, 0.93f, 0.89f);
-const Vec3f lip_colour(0.82f, 0.50f, 0.47f);
+const Vec3f lip_colour(0.82f, 0.50f, 0.47f), preterm_lip_colour(0.68f, 0.35f, 0.34f);
 
 // Skin sees at least this fraction of the sky, the lining of a closed mouth almost none. The lips lie
 // between.
@@ -214,6 +214,9 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
             grown = skin * (1.0f - lip) * newborn.hair(place);
             acral = skin * newborn.acral(place);
             mucosa -= skin;
+        }
+        if (label[v] == Tissue::lip) {
+            c -= newborn.prematurity() * (c - preterm_lip_colour);
         }
         // Blotches of about 4 mm and 1.5 mm; blood absorbs mainly red's complement.
         const float blotch = 0.6f * value_noise(p * 250.0f) + 0.4f * value_noise(p * 700.0f) - 0.5f;

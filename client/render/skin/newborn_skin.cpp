@@ -15,7 +15,7 @@ const Vec3f upper_gum_model(0.0f, 45.5f, -6.9f);  // origin of the patient frame
 
 // Term: pale pink on a background of vernix. 28 weeks: thin and gelatinous, so that blood shows through.
 const Vec3f term_colour(0.90f, 0.68f, 0.60f);
-const Vec3f preterm_colour(0.76f, 0.42f, 0.37f);
+const Vec3f preterm_colour(0.76f, 0.47f, 0.43f);
 const Vec3f flush_colour(0.84f, 0.50f, 0.46f);
 const Vec3f areola_colour(0.76f, 0.47f, 0.42f);
 const Vec3f vernix_colour(0.95f, 0.91f, 0.84f);
@@ -44,7 +44,7 @@ float on_scalp(const Vec3f& p) {
     const float ragged = 0.09f * (value_noise(0.16f * p) - 0.5f) + 0.06f * (value_noise(0.5f * p) - 0.5f);
     const float auricle = smoothstep(39.0f, 43.0f, std::fabs(p.x())) * smoothstep(36.0f, 28.0f, p.z()) *
                           smoothstep(-45.0f, -36.0f, p.y());
-    return (1.0f - auricle) * smoothstep(line - 0.12f, line + 0.45f, way.dot(crown) + ragged);
+    return (1.0f - auricle) * smoothstep(line - 0.26f, line + 0.30f, way.dot(crown) + ragged);
 }
 
 float on_brow(const Vec3f& p) {
@@ -86,7 +86,7 @@ Vec3f NewbornSkin::to_model(const Vec3f& point) const {
 
 float NewbornSkin::hair(const Vec3f& p) const {
     const float scalp = std::lerp(0.78f, 0.45f, prematurity_) * on_scalp(p);
-    const float brow = std::lerp(0.50f, 0.28f, prematurity_) * on_brow(p);
+    const float brow = std::lerp(0.56f, 0.28f, prematurity_) * on_brow(p);
     return std::max({scalp, brow, 0.20f * prematurity_ * lanugo(p)});
 }
 
@@ -120,7 +120,7 @@ NewbornSkin::Look NewbornSkin::look(const Vec3f& p, float sky) const {
     // before 36 weeks.
     const float clumps =
         smoothstep(0.45f, 0.62f, 0.6f * value_noise(0.12f * p) + 0.4f * value_noise(0.4f * p));
-    const float vernix = (1.0f - prematurity_) * clumps * smoothstep(0.78f, 0.5f, sky) *
+    const float vernix = (1.0f - prematurity_) * (1.0f - acral(p)) * clumps * smoothstep(0.78f, 0.5f, sky) *
                          (1.0f - smoothstep(-45.0f, -30.0f, p.z()));
     towards(vernix_colour, 0.7f * vernix);
     skin.wetness += 0.25f * vernix;

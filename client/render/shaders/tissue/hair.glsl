@@ -39,7 +39,8 @@ void grow_hair(vec3 rest, float hair, inout vec3 albedo, inout float wet) {
     float count = exp2(floor(octave)), later = fract(octave);
     float v = along / hair_tile.y;
     // Brows: strands lie outwards, rising towards the temple.
-    bool brow = q.y > 20.0 && q.z < 41.0 && q.z > 29.0 && side < 34.0;
+    float ridge = (side - 18.0) / 11.0;
+    bool brow = q.y > 20.0 && side < 30.0 && abs(q.z - 35.0 + 2.2 * ridge * ridge) < 3.2;
     vec2 at_brow = vec2((q.z - 0.25 * side) / hair_tile.x, side / hair_tile.y);
     vec2 place = brow ? at_brow : vec2(turn * count, v);
     vec2 second = brow ? at_brow : vec2(turn * count * 2.0 + 0.37, v + 0.41);
@@ -48,9 +49,9 @@ void grow_hair(vec3 rest, float hair, inout vec3 albedo, inout float wet) {
     vec2 strand = mix(strands(place.x, place.y, dx, dy), strands(second.x, second.y, 2.0 * dx, dy),
                       brow ? 0.0 : smoothstep(0.3, 0.7, later));
     float cover = clamp(3.0 * (strand.r - (1.0 - hair)) * step(0.01, hair), 0.0, 1.0);
-    float down = max(smoothstep(0.42, 0.25, hair), brow ? 0.5 : 0.0);   // lanugo is pale
+    float down = max(smoothstep(0.42, 0.25, hair), brow ? 0.35 : 0.0);   // lanugo is pale
     vec3 colour = mix(vec3(0.075, 0.046, 0.030), vec3(0.42, 0.27, 0.20), down) * (0.3 + 1.5 * strand.g);
-    albedo = mix(albedo, colour, cover * mix(0.78, 0.35, down));
+    albedo = mix(albedo, colour, cover * mix(0.78, 0.24, down));
     wet = mix(wet, 0.2, cover);
     // The line between the lids, and lashes below it, which fused lids lack.
     float bend = (side - 19.2) / 9.3;

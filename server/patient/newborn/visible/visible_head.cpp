@@ -131,9 +131,10 @@ float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) 
 
 namespace {
 
-/// Rounded lids closed over the eyes of a body, whose data have a pit at the outer corner.
+/// Rounded lids closed over the eyes of a body, whose data have pits at the corners.
 float closed_lids(const Vec3f& q) {
-    return ellipsoid(q, {19.0f, 33.0f, 25.2f}, {11.5f, 9.6f, 7.2f});
+    return smooth_union(ellipsoid(q, {19.0f, 33.0f, 25.2f}, {11.5f, 9.6f, 7.2f}),
+                        ellipsoid(q, {11.5f, 40.4f, 25.2f}, {3.6f, 2.6f, 3.0f}), 2.0f);
 }
 
 /// Depth of the line between them, and of the fold above.
