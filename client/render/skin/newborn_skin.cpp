@@ -14,7 +14,7 @@ namespace {
 const Vec3f upper_gum_model(0.0f, 45.5f, -6.9f);  // origin of the patient frame
 
 // Term: pale pink on a background of vernix. 28 weeks: thin and gelatinous, so that blood shows through.
-const Vec3f term_colour(0.90f, 0.68f, 0.60f);
+const Vec3f term_colour(0.91f, 0.71f, 0.63f);
 const Vec3f preterm_colour(0.76f, 0.47f, 0.43f);
 const Vec3f flush_colour(0.84f, 0.50f, 0.46f);
 const Vec3f areola_colour(0.76f, 0.47f, 0.42f);
