@@ -56,8 +56,8 @@ eti_show_progress() {
     local what=$1 now=$((SECONDS - began)) text left=""
     [ "$total" -gt 0 ] && [ "$finished" -gt 0 ] || return 0
     [ "$finished" -le "$total" ] || finished=$total
-    # A forecast, once there is enough data.
-    if [ "$finished" -lt "$total" ] && { [ "$now" -ge 20 ] || [ $((20 * finished)) -ge "$total" ]; }; then
+    # A forecast, once there is enough data: the longest tests run first.
+    if [ "$finished" -lt "$total" ] && { { [ "$now" -ge 20 ] && [ $((50 * finished)) -ge "$total" ]; } || [ $((20 * finished)) -ge "$total" ]; }; then
         left=", about $(eti_duration $((now * (total - finished) / finished))) left"
     fi
     text="$what: $finished of $total${wrong:+$([ "$wrong" -gt 0 ] && echo ", $wrong failed")}, $(eti_duration $now) so far$left"

@@ -23,6 +23,14 @@ class Spread {
         : mesh_(mesh), grid_(grid), closest_(grid.value.size(), no_triangle) {
         // Half a spacing per bucket orders the visits well enough; a node that improves later is revisited.
         buckets_.resize(static_cast<std::size_t>(band / bucket_width()) + 2);
+        balls_.reserve(mesh.triangles.size());
+        for (const Triangle& t : mesh.triangles) {
+            const Vec3f &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+            const Vec3f centre = (a + b + c) / 3.0f;
+            const float squared = std::max(
+                {(a - centre).squaredNorm(), (b - centre).squaredNorm(), (c - centre).squaredNorm()});
+            balls_.push_back({centre, std::sqrt(squared)});
+        }
     }
 
     void run() {
@@ -47,10 +55,20 @@ class Spread {
         std::size_t node;
         float distance;
     };
+    struct Ball {
+        Vec3f centre;
+        float radius;
+    };
 
     [[nodiscard]] float bucket_width() const { return 0.5f * grid_.spacing; }
 
     void offer(std::size_t node, const Vec3f& position, std::uint32_t triangle) {
+        // Most triangles are farther than the closest so far. The hundredth of a spacing is for rounding.
+        const Ball& ball = balls_[triangle];
+        const float reach = grid_.value[node] + ball.radius + 0.01f * grid_.spacing;
+        if ((position - ball.centre).squaredNorm() > reach * reach) {
+            return;
+        }
         const Triangle& t = mesh_.triangles[triangle];
         const Vec3f &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
         ClosestPoint closest = closest_on_triangle(position, a, b, c);
@@ -113,6 +131,7 @@ class Spread {
 
     const TriangleMesh& mesh_;
     DistanceGrid& grid_;
+    std::vector<Ball> balls_;  ///< around each triangle
     std::vector<std::uint32_t> closest_;
     std::vector<std::vector<Visit>> buckets_;
     std::size_t current_ = 0;  ///< bucket being emptied

@@ -222,7 +222,8 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
                                      "always off with `tissue_method: clusters`",
                                      "whose elements relax");
         p.self_contact = physics->flag("self_contact", p.self_contact,
-                                       "Self-contact of tongue, epiglottis and pharyngeal walls");
+                                       "Whether clusters of larynx, pharynx and epiglottis keep apart, too; "
+                                       "tongue and epiglottis always do");
         p.sleep =
             physics->flag("sleep", p.sleep,
                           "Whether tissue at rest without a tool nearby is skipped until something moves "

@@ -43,8 +43,7 @@ DistanceGrid kept_distance_of(const TriangleMesh& mesh, float spacing) {
 
 }  // namespace
 
-PosedShell::PosedShell(const patient::Patient& patient, const patient::BonePoses& bones,
-                       const YieldingSkeleton* skeleton)
+PosedShell::PosedShell(const patient::Patient& patient, const YieldingSkeleton* skeleton)
     : patient_(patient), skeleton_(skeleton) {
     if (skeleton != nullptr) {
         const auto& rest = patient.shell.mesh.vertices;
@@ -52,6 +51,11 @@ PosedShell::PosedShell(const patient::Patient& patient, const patient::BonePoses
             carriers_.push_back({patient.shell.vertex_bones[i], skeleton->hyoid_share(rest[i])});
         }
     }
+}
+
+PosedShell::PosedShell(const patient::Patient& patient, const patient::BonePoses& bones,
+                       const YieldingSkeleton* skeleton)
+    : PosedShell(patient, skeleton) {
     pose_now(bones);
 }
 

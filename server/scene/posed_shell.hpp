@@ -21,7 +21,10 @@ namespace eti::scene {
 /// yield(), so that others may read them during a step.
 class PosedShell {
   public:
-    /// `skeleton`: which yields, and outlives this; nullptr: none. Its posture is that of `bones`.
+    /// Has no shape before pose_now(). `skeleton`: which yields, and outlives this; nullptr: none. Its
+    /// posture is that of the bones that are given then.
+    PosedShell(const patient::Patient& patient, const YieldingSkeleton* skeleton);
+    /// As above, followed by pose_now().
     PosedShell(const patient::Patient& patient, const patient::BonePoses& bones,
                const YieldingSkeleton* skeleton = nullptr);
 
@@ -37,7 +40,7 @@ class PosedShell {
 
     [[nodiscard]] const std::vector<Vec3f>& vertices() const { return vertices_; }
     [[nodiscard]] const DistanceGrid& distance() const { return distance_; }
-    /// Changes whenever distance() does; never 0.
+    /// Changes whenever distance() does; 0 before pose_now().
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
     [[nodiscard]] Walls walls() const {
         return {distance_, revision_, skeleton_ == nullptr ? nullptr : &motion_};

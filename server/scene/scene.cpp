@@ -62,7 +62,7 @@ Scene::Scene(const patient::Patient& patient, const Laryngoscope& scope, const T
       bones_(settings.bones_yield && !tissue_.tongue().empty()
                  ? std::optional<SkeletonCoupling>(std::in_place, patient, tissue_, settings.joints)
                  : std::nullopt),
-      shell_(patient, bones_at(clamped(start.runtime_parameters)), bones_ ? &bones_->skeleton() : nullptr),
+      shell_(patient, bones_ ? &bones_->skeleton() : nullptr),
       rigid_(scope, patient.shell.mesh, patient.shell.triangle_tissue,
              bones_ ? compliant(settings.rigid) : settings.rigid),
       blade_(scope, tissue_.surface_edges(), tissue_.tongue().moved()),

@@ -12,7 +12,7 @@
 #include "server/patient/model/skeleton.hpp"
 #include "server/pbd/soft/soft_body.hpp"
 #include "server/scene/skin_frame_correction.hpp"
-#include "server/scene/tongue.hpp"
+#include "server/scene/tongue/tongue.hpp"
 
 namespace eti::scene {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/pbd/soft/implicit_mesh.hpp"
+#include "server/pbd/implicit/implicit_mesh.hpp"
 
 namespace eti::test {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/pbd/soft/tetrahedra.hpp"
+#include "server/pbd/implicit/tetrahedra.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
 
 namespace eti::test {

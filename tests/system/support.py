@@ -74,8 +74,9 @@ def wait_until(happened, what):
 
 def cached_patients():
     """Where servers keep the newborns that they have built, see server/app/run/patient_cache.hpp."""
-    return Path(os.environ.get("ETI_CACHE") or
-                Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "neoeti")
+    usual = Path(os.environ.get("ETI_CACHE") or
+                 Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "neoeti")
+    return usual if usual.exists() else Path(tempfile.gettempdir()) / f"neoeti-{os.getuid()}"
 
 
 def takes(process, number):

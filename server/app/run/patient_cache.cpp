@@ -3,6 +3,8 @@
 #include "server/app/run/patient_cache.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <optional>
@@ -25,17 +27,34 @@ std::uint64_t hash_of(const patient::Provenance& provenance) {
     return hash.value();
 }
 
+/// Creates the folder unless it exists. False if anyone else may write to it: models there are trusted.
+bool is_own_folder(const std::filesystem::path& path) {
+    (void)::mkdir(path.c_str(), S_IRWXU);
+    struct stat status {};
+    return ::lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::getuid() &&
+           (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
 }  // namespace
 
 std::filesystem::path cache_folder() {
+    namespace fs = std::filesystem;
     if (const char* own = std::getenv("ETI_CACHE"); own != nullptr && *own != '\0') {
         return own;
     }
-    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != '\0') {
-        return std::filesystem::path(xdg) / "neoeti";
+    const char* const xdg = std::getenv("XDG_CACHE_HOME");
+    const char* const home = std::getenv("HOME");
+    const fs::path usual = xdg != nullptr && *xdg != '\0'
+                               ? fs::path(xdg) / "neoeti"
+                               : fs::path(home != nullptr ? home : "/tmp") / ".cache" / "neoeti";
+    std::error_code error;
+    fs::create_directories(usual, error);
+    if (!error) {
+        return usual;
     }
-    const char* home = std::getenv("HOME");
-    return std::filesystem::path(home != nullptr ? home : "/tmp") / ".cache" / "neoeti";
+    const fs::path temporary =
+        fs::temp_directory_path(error) / fmt::format("neoeti-{}", static_cast<unsigned>(::getuid()));
+    return !error && is_own_folder(temporary) ? temporary : usual;
 }
 
 namespace {

@@ -8,7 +8,9 @@
 
 namespace eti::app {
 
-/// Folder of cached models: $ETI_CACHE, else $XDG_CACHE_HOME/neoeti, else ~/.cache/neoeti.
+/// Folder of cached models: $ETI_CACHE, else $XDG_CACHE_HOME/neoeti, else ~/.cache/neoeti. If that does not
+/// exist and cannot be created, as in a read-only home: neoeti-UID among temporary files, with access for
+/// this user only.
 [[nodiscard]] std::filesystem::path cache_folder();
 
 /// The patient for these parameters, from the cache, or built (some seconds) and then cached. If the same

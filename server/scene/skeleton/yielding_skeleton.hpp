@@ -7,8 +7,8 @@
 
 #include "server/patient/model/patient.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/pbd/soft/relaxation.hpp"
-#include "server/pbd/soft/yielding_bodies.hpp"
+#include "server/pbd/implicit/relaxation.hpp"
+#include "server/pbd/implicit/yielding_bodies.hpp"
 
 namespace eti::scene {
 

@@ -12,7 +12,7 @@
 #include "devices/haptics/soft_force.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/patient/model/skeleton.hpp"
-#include "server/pbd/soft/implicit_mesh.hpp"
+#include "server/pbd/implicit/implicit_mesh.hpp"
 #include "server/scene/scene.hpp"
 #include "tests/validation/fem/static_solver.hpp"
 

@@ -36,6 +36,17 @@ namespace eti::bench {
     return small;
 }
 
+/// Two pictures of one size beside each other.
+[[nodiscard]] inline render::Image side_by_side(const render::Image& left, const render::Image& right) {
+    render::Image both{.width = left.width + right.width, .height = right.height, .rgba = {}};
+    for (int y = 0; y < both.height; ++y) {
+        for (const render::Image* const half : {&left, &right}) {
+            both.rgba.insert(both.rgba.end(), half->pixel(0, y), half->pixel(0, y) + 4 * half->width);
+        }
+    }
+    return both;
+}
+
 /// A contact sheet: moments from left to right, views from top to bottom.
 class ContactSheet {
   public:

@@ -40,6 +40,11 @@ int main(int argc, char** argv) {
         "--golden", options.golden,
         "Folder of small pictures to compare with: every view when the blade enters and at the best view");
     render.add_flag("--renew", options.renew, "Write these pictures instead of comparing").needs(golden);
+    render
+        .add_option("--before", options.before,
+                    "Folder of an earlier run with the same scenarios and operators: writes its pictures and "
+                    "these side by side, into before_after in --out")
+        .existing_folder();
     render.add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
     const auto work = [&] {
         if (quick) {

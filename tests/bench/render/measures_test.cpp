@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include "tests/bench/render/measures.hpp"
+#include "tests/bench/render/contact_sheet.hpp"
 
 #include <gtest/gtest.h>
 
@@ -214,6 +215,14 @@ TEST(Measures, ComputesPercentageOfDifferingPixels) {
     b.rgba[8] = 110;
     EXPECT_EQ(differing_pixels_percent(a, b, 20), 25.0);
     EXPECT_EQ(differing_pixels_percent(a, {.width = 1, .height = 1, .rgba = {0, 0, 0, 0}}, 20), 100.0);
+}
+
+TEST(Measures, PicturesSideBySideKeepTheirPixels) {
+    const render::Image left{.width = 1, .height = 2, .rgba = {1, 1, 1, 255, 2, 2, 2, 255}};
+    const render::Image right{.width = 1, .height = 2, .rgba = {3, 3, 3, 255, 4, 4, 4, 255}};
+    const render::Image both = side_by_side(left, right);
+    EXPECT_EQ(both.width, 2);
+    EXPECT_EQ(both.rgba, (std::vector<std::uint8_t>{1, 1, 1, 255, 3, 3, 3, 255, 2, 2, 2, 255, 4, 4, 4, 255}));
 }
 
 }  // namespace

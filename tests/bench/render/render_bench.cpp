@@ -291,9 +291,10 @@ class Bench {
                 compare_golden(attempt, picture, m, view, add);
             }
             if (options_.pictures) {
-                render::write_png(
-                    picture, options_.out / fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
-                                                        attempt.script.name, moment_names[m], view.name));
+                const std::string name = fmt::format("{}_{}_{}_{}.png", attempt.scenario.name,
+                                                     attempt.script.name, moment_names[m], view.name);
+                render::write_png(picture, options_.out / name);
+                write_beside_before(name, picture);
             }
             // In a stereo picture, pixels do not match one camera's raster.
             if (m == best && view.lips_retracted && view.cameras(scene, {}).size() == 1) {
@@ -361,6 +362,20 @@ class Bench {
         const std::string where = fmt::format("worst of {} gazes", options_.eyes);
         add("lens", "back_faces", back_faces, where);
         add("lens", "clipped", clipped, where);
+    }
+
+    void write_beside_before(const std::string& name, const render::Image& picture) const {
+        constexpr int width = 640;
+        const auto before = options_.before / name;
+        if (options_.before.empty() || !std::filesystem::exists(before)) {
+            return;
+        }
+        const int height = width * options_.height / options_.width;
+        const auto folder = options_.out / "before_after";
+        std::filesystem::create_directories(folder);
+        render::write_png(side_by_side(downscaled(render::read_png(before), width, height),
+                                       downscaled(picture, width, height)),
+                          folder / name);
     }
 
     // An edge shifted by half a pixel is no fault: another processor's rounding causes it.

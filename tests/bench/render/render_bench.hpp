@@ -21,10 +21,12 @@ struct RenderOptions {
     bool pictures = true;
     std::filesystem::path golden;  ///< folder of reference pictures; empty: none
     bool renew = false;            ///< writes them instead
+    std::filesystem::path before;  ///< `out` of an earlier run; empty: none
 };
 
 /// Measures the pictures at six moments of scripted attempts, writes render.csv, pictures and one contact
-/// sheet per attempt into `out`, and prints each measure with its goal. Returns an exit status.
+/// sheet per attempt into `out`, and prints each measure with its goal. Pictures that `before` has, too, are
+/// written beside those to `out`/before_after. Returns an exit status.
 int render_bench(const RenderOptions& options);
 
 }  // namespace eti::bench

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "server/pbd/soft/implicit_mesh.hpp"
+#include "server/pbd/implicit/implicit_mesh.hpp"
 #include "tests/support/tetrahedral_lattice.hpp"
 #include "tests/validation/fem/static_solver.hpp"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/random.hpp"
-#include "server/pbd/soft/implicit_mesh.hpp"
+#include "server/pbd/implicit/implicit_mesh.hpp"
 #include "tests/support/tetrahedral_body.hpp"
 
 namespace eti {

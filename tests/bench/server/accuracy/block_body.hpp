@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/pbd/implicit/implicit_mesh.hpp"
 #include "server/pbd/soft/cluster_calibration.hpp"
-#include "server/pbd/soft/implicit_mesh.hpp"
 #include "server/pbd/soft/shape_matching.hpp"
 #include "tests/support/lattice_clusters.hpp"
 #include "tests/support/mass_springs.hpp"

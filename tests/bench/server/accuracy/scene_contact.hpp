@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/pbd/contact/surface_edges.hpp"
-#include "server/scene/tongue_contacts.hpp"
+#include "server/scene/tongue/tongue_contacts.hpp"
 #include "tests/bench/server/accuracy/block_body.hpp"
 
 namespace eti::bench {

@@ -3,7 +3,7 @@
 // The blade driven into tissue that lies on bone.
 #include "common/model/pace.hpp"
 #include "server/pbd/contact/contact.hpp"
-#include "server/scene/tongue.hpp"
+#include "server/scene/tongue/tongue.hpp"
 #include "tests/bench/server/accuracy/scene_contact.hpp"
 #include "tests/bench/server/stability/stability_parts.hpp"
 

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace eti::app {
@@ -122,6 +124,52 @@ TEST_F(PatientCache, CorruptModelIsNotReused) {
         std::filesystem::resize_file(file.path(), 1000);
     }
     expect_same_surfaces(cached_patient({}, with_spacing(3e-3f)), *finer_);
+}
+
+/// Environment variables are set as for a home in which nothing can be created.
+class CacheFolder : public ::testing::Test {
+  protected:
+    CacheFolder() {
+        std::filesystem::create_directories(temporary_);
+        ::unsetenv("ETI_CACHE");
+        ::unsetenv("XDG_CACHE_HOME");
+        ::setenv("HOME", "/proc/nobody", 1);
+        ::setenv("TMPDIR", temporary_.c_str(), 1);
+    }
+    ~CacheFolder() override {
+        std::filesystem::remove_all(temporary_);
+        for (const auto& [name, value] : before_) {
+            value ? ::setenv(name, value->c_str(), 1) : ::unsetenv(name);
+        }
+    }
+    static std::optional<std::string> value_of(const char* name) {
+        const char* const value = std::getenv(name);
+        return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+    }
+    std::filesystem::path temporary_ =
+        std::filesystem::temp_directory_path() / ("eti_cache_folder_" + std::to_string(::getpid()));
+    std::filesystem::path own_ = temporary_ / ("neoeti-" + std::to_string(::getuid()));
+    std::map<const char*, std::optional<std::string>> before_ = {
+        {"HOME", value_of("HOME")},
+        {"TMPDIR", value_of("TMPDIR")},
+        {"XDG_CACHE_HOME", value_of("XDG_CACHE_HOME")}};
+};
+
+TEST_F(CacheFolder, IsTemporaryWithoutWritableHome) {
+    EXPECT_EQ(cache_folder(), own_);
+    EXPECT_EQ(std::filesystem::status(own_).permissions(), std::filesystem::perms::owner_all);
+}
+
+TEST_F(CacheFolder, FolderThatOthersMayWriteIsNotUsed) {
+    std::filesystem::create_directories(own_);
+    std::filesystem::permissions(own_, std::filesystem::perms::all);
+    EXPECT_EQ(cache_folder(), "/proc/nobody/.cache/neoeti");
+}
+
+TEST_F(CacheFolder, LinkIsNotFollowed) {
+    std::filesystem::create_directories(temporary_ / "elsewhere");
+    std::filesystem::create_directory_symlink(temporary_ / "elsewhere", own_);
+    EXPECT_EQ(cache_folder(), "/proc/nobody/.cache/neoeti");
 }
 
 }  // namespace
