@@ -11,6 +11,7 @@
 
 #include "client/render/lighting.hpp"
 #include "client/render/mesh/creased_mesh.hpp"
+#include "client/render/skin/newborn_skin.hpp"
 #include "client/render/tools/laryngoscope_details.hpp"
 #include "client/render/tools/tube_connector.hpp"
 #include "common/math/units.hpp"
@@ -100,6 +101,22 @@ void SceneMeshes::take_appearances(Baking baking) {
     ready_ = true;
 }
 
+void SceneMeshes::live(const view::SceneView& scene) {
+    const double time_s = 1e-9 * static_cast<double>(scene.simulation_time_ns());
+    const LiveMeasures& now = scene.measures();
+    const auto measured = [](float value) {
+        return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+    };
+    const std::optional<double> saturation = measured(now.oxygen_saturation_percent);
+    circulation_.update(time_s, saturation, measured(now.heart_rate_per_min));
+    // As the server ventilates: between attempts, unless the tube is in the oesophagus.
+    const auto& metrics = scene.metrics();
+    const bool ventilated = saturation && metrics && !metrics->attempt_running() &&
+                            metrics->tube_place() != msg::TubePlace::TUBE_IN_OESOPHAGUS;
+    breathing_.update(time_s, ventilated);
+    patient_.set_inflation(breathing_.inflation(), NewbornSkin(scene.rest_landmarks()).size());
+}
+
 void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (!scene.complete()) {
         ready_ = false;
@@ -113,6 +130,7 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (!ready_) {
         return;
     }
+    live(scene);
     patient_.update(scene);
     room_.sync(scene);
     if (const view::TubeSweep* sweep = scene.tube()) {

@@ -17,6 +17,8 @@ extern const std::string_view quad_vertex;
 extern const std::string_view through_mouth;
 
 // tissue
+extern const std::string_view blood;
+extern const std::string_view chest_rise;
 extern const std::string_view cut_fragment;
 extern const std::string_view cut_geometry;
 extern const std::string_view cut_plane_vertex;
