@@ -23,6 +23,12 @@ int main(int argc, char** argv) {
     render.add_number("--height", options.height, "Size of the pictures", side).capture_default_str();
     const auto eyes =
         render.add_number("--eyes", options.eyes, "Eye poses for POGO", {0, 100000}).capture_default_str();
+    const auto poses =
+        render
+            .add_number("--poses", options.poses,
+                        "Poses of a lens from which open edges and crossing triangles are counted",
+                        {0, 100000})
+            .capture_default_str();
     const auto costs =
         render.add_number("--costs", options.costs, "Number of timed pictures per view and size", {0, 10000})
             .capture_default_str();
@@ -45,7 +51,8 @@ int main(int argc, char** argv) {
                     "Folder of an earlier run with the same scenarios and operators: writes its pictures and "
                     "these side by side, into before_after in --out")
         .existing_folder();
-    render.add_flag("--quick", quick, "The expert on the term newborn, forty eye poses, no costs");
+    render.add_flag("--quick", quick,
+                    "The expert on the term newborn, forty eye poses, twelve of a lens, no costs");
     const auto work = [&] {
         if (quick) {
             if (scenarios.empty()) {
@@ -59,6 +66,9 @@ int main(int argc, char** argv) {
             }
             if (eyes.empty()) {
                 options.eyes = 40;
+            }
+            if (poses.empty()) {
+                options.poses = 12;
             }
         }
         return eti::bench::render_bench(options);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "common/math/units.hpp"
+#include "tests/bench/render/surface_faults.hpp"
 
 // References: views of spheres and boxes by elementary geometry.
 namespace eti::bench {
@@ -111,6 +112,50 @@ TEST(Raster, ClipsGeometryBehindEye) {
     Stage stage{{sphere(Vec3f(0.0f, 0.0f, 0.6f), 0.05f, 24)}, {}};
     const Raster raster = raster_of(stage.shapes(), from_front(0.3f), 100, 100);
     EXPECT_TRUE(std::ranges::all_of(raster.hits(), [](const Hit& hit) { return hit.object == -1; }));
+}
+
+TEST(SurfaceFaults, CountsCrossingsInView) {
+    // Two triangles that pass through each other once, before the eye and behind a sphere.
+    TriangleMesh crossed{{{-0.01f, -0.01f, 0.1f},
+                          {0.01f, -0.01f, 0.1f},
+                          {0.0f, 0.01f, 0.1f},
+                          {0.0f, -0.005f, 0.09f},
+                          {0.0f, -0.005f, 0.11f},
+                          {0.0f, -0.02f, 0.1f}},
+                         {{0, 1, 2}, {3, 4, 5}}};
+    const auto seen = [](TriangleMesh mesh, float offset) {
+        for (Vec3f& vertex : mesh.vertices) {
+            vertex.z() += offset;
+        }
+        Stage stage{{sphere(Vec3f::Zero(), 0.05f, 24), mesh}, {}};
+        const MeshSet shapes = stage.shapes();
+        const render::Camera camera = from_front(0.3f);
+        return SurfaceFaults(shapes).in_view(raster_of(shapes, camera, 200, 200), camera);
+    };
+    EXPECT_EQ(seen(crossed, 0.0f).crossings, 1);
+    EXPECT_EQ(seen(crossed, -0.2f).crossings, 0);
+    crossed.vertices[4].z() = 0.095f;
+    EXPECT_EQ(seen(crossed, 0.0f).crossings, 0);
+}
+
+TEST(SurfaceFaults, CountsOpenEdgesInView) {
+    TriangleMesh open = sphere(Vec3f::Zero(), 0.05f, 24);
+    const auto count = [](const TriangleMesh& mesh) {
+        Stage stage{{mesh}, {}};
+        const MeshSet shapes = stage.shapes();
+        const render::Camera camera = from_front(0.3f);
+        return SurfaceFaults(shapes).in_view(raster_of(shapes, camera, 200, 200), camera).open_edges;
+    };
+    EXPECT_EQ(count(open), 0);
+    std::erase_if(open.triangles, [&](const Triangle& t) {
+        const Vec3f middle = (open.vertices[t[0]] + open.vertices[t[1]] + open.vertices[t[2]]) / 3.0f;
+        return middle.z() < -0.045f;
+    });
+    EXPECT_EQ(count(open), 0);  // a hole behind
+    for (Vec3f& vertex : open.vertices) {
+        vertex = Vec3f(-vertex.x(), vertex.y(), -vertex.z());
+    }
+    EXPECT_GT(count(open), 0);
 }
 
 TEST(Measures, DetectsBladeInsideButNotBehindTissue) {

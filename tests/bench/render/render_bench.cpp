@@ -27,6 +27,7 @@
 #include "tests/bench/render/contact_sheet.hpp"
 #include "tests/bench/render/cost.hpp"
 #include "tests/bench/render/measures.hpp"
+#include "tests/bench/render/surface_faults.hpp"
 
 namespace eti::bench {
 
@@ -49,6 +50,8 @@ constexpr std::array goals = {
     Goal{"clipped", "%", 3.0, false, "pixels of a lens's picture that are as bright as a channel can be"},
     Goal{"fine_outline", "%", 50.0, true, "an organ's outline in edges under 10 pixels at 1080p"},
     Goal{"open_contours", "", 0.0, false, "contours of the section that are not closed"},
+    Goal{"open_edges", "", 0.0, false, "open edges of a surface in a lens's view"},
+    Goal{"crossings", "", 0.0, false, "pairs of triangles in a lens's view that pass through each other"},
     Goal{"pogo_apart", "points", 3.0, false, "POGO of the picture against the server's rays"},
     Goal{"golden_apart", "%", 2.0, false, "pixels that differ from the golden picture by 24 levels"},
     Goal{"kilobytes", "kB", 150.0, false, "sent to the graphics card for a picture"},
@@ -240,6 +243,9 @@ class Bench {
             if (m == touch || m == best || m == tube) {
                 look_around(scene, add);
             }
+            if (m == start || m == best || m == tube) {
+                survey(scene, shapes, m == start, add);
+            }
         }
         if (options_.pictures) {
             sheet.write(options_.out / fmt::format("{}_{}.png", scenario, script));
@@ -277,7 +283,7 @@ class Bench {
     void conclude() const { results_.conclude(options_.out / "render-goals.csv"); }
 
   private:
-    static constexpr std::size_t mouth = 1, touch = 2, best = 3, tube = 4;
+    static constexpr std::size_t start = 0, mouth = 1, touch = 2, best = 3, tube = 4;
 
     template <typename Add>
     void measure_view(const Attempt& attempt, const KeyMoment& moment, std::size_t m,
@@ -336,9 +342,7 @@ class Bench {
     /// each is a row.
     template <typename Add>
     void look_around(const view::SceneView& scene, Add&& add) {
-        constexpr float turn = 10.0f * degree, shift = 0.5e-3f;
         Random random(50);
-        const auto either_way = [&](float most) { return most * (2.0f * random.uniform() - 1.0f); };
         static thread_local render::Camera gaze;
         render::View view = *render::view_named("laryngoscope");
         const render::Camera straight = view.camera(scene, {});
@@ -347,13 +351,7 @@ class Bench {
         };
         double back_faces = 0.0, clipped = 0.0;
         for (int i = 0; i < options_.eyes && !stop_requested(); ++i) {
-            gaze = straight;
-            const Vec3f way = straight.target - straight.eye;
-            const Vec3f across = way.cross(straight.up).normalized();
-            const Eigen::AngleAxisf up_down(either_way(turn), across);
-            const Eigen::AngleAxisf sideways(either_way(turn), straight.up);
-            gaze.eye += Vec3f(either_way(shift), either_way(shift), either_way(shift));
-            gaze.target = gaze.eye + sideways * (up_down * way);
+            gaze = gaze_beside(straight, random);
             back_faces =
                 std::max(back_faces,
                          back_faces_percent(lens_.draw(view, scene, render::Shading::object_id_both_sides)));
@@ -362,6 +360,32 @@ class Bench {
         const std::string where = fmt::format("worst of {} gazes", options_.eyes);
         add("lens", "back_faces", back_faces, where);
         add("lens", "clipped", clipped, where);
+    }
+
+    /// Seeded poses of a lens: before the blade is in, as it looks around later.
+    template <typename Add>
+    void survey(const view::SceneView& scene, const MeshSet& shapes, bool without_blade, Add&& add) {
+        constexpr int moments = 3, width = 640, height = 360;
+        const int poses = (options_.poses + moments - 1) / moments;
+        const render::Camera lens = render::view_named("laryngoscope")->camera(scene, {});
+        const SurfaceFaults faults(shapes);
+        Random random(50'50);
+        SurfaceFaults::Count worst;
+        int faulty = 0;
+        for (int i = 0; i < poses && !stop_requested(); ++i) {
+            const render::Camera gaze = without_blade
+                                            ? gaze_in_throat(shapes, scene.landmarks(), lens, random)
+                                            : gaze_beside(lens, random);
+            const SurfaceFaults::Count seen = faults.in_view(raster_of(shapes, gaze, width, height), gaze);
+            worst.open_edges = std::max(worst.open_edges, seen.open_edges);
+            worst.crossings = std::max(worst.crossings, seen.crossings);
+            faulty += seen.open_edges + seen.crossings > 0 ? 1 : 0;
+        }
+        if (poses > 0) {
+            const std::string where = fmt::format("worst of {} poses; {} show any", poses, faulty);
+            add("lens", "open_edges", worst.open_edges, where);
+            add("lens", "crossings", worst.crossings, where);
+        }
     }
 
     void write_beside_before(const std::string& name, const render::Image& picture) const {

@@ -14,8 +14,9 @@ struct RenderOptions {
     std::vector<std::string> scenarios = {"term", "premature", "term_enhanced", "premature_enhanced"};
     std::vector<std::string> operators = {"expert", "novice", "no_lift"};
     int width = 1920, height = 1080;
-    int eyes = 200;  ///< poses at which the picture's POGO and that of the server's rays are compared
-    int costs = 11;  ///< pictures measured per view and size
+    int eyes = 200;   ///< poses at which the picture's POGO and that of the server's rays are compared
+    int poses = 200;  ///< of a lens, over rest, best view and tube: open edges and crossing triangles
+    int costs = 11;   ///< pictures measured per view and size
     bool only_costs = false;  ///< only pictures of that width and height, and nothing else
     std::string quality;      ///< quality that is measured; empty: what the driver can afford
     bool pictures = true;
