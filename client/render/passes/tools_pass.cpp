@@ -152,9 +152,7 @@ void ToolsPass::draw_tube(const DrawContext& context, const SceneMeshes& meshes,
         program.use();
         place(program, context, Eigen::Matrix4f::Identity(), no_clipping);
         program.set("flat_colour", flat(tube_colour));
-        meshes.tube()->draw();
-        place(program, context, matrix_of(context.scene.tube()->connector_pose()), no_clipping);
-        meshes.connector()->draw();
+        meshes.tube()->draw();  // the connector is only drawn, as the blade's details are
         return;
     }
     const auto use = [&](std::initializer_list<const char*> more) -> ShaderProgram& {

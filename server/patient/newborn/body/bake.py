@@ -87,37 +87,6 @@ def unit(v):
     return v / np.linalg.norm(v)
 
 
-def nails_of(base, shape):
-    """Nails [20, 3, 3] of a posed body: middle of the nail's plate, half its length along the digit, half its breadth
-    along the outward normal."""
-    nails, body = [], shape[:BODY]
-
-    def head(bone):
-        return base.joint(shape, base.rig[bone]["head"])
-
-    for end in (".L", ".R"):
-        for digit in [f"finger{k}" for k in range(1, 6)] + [f"toe{k}" for k in range(1, 6)]:
-            last = 2 if digit == "toe1" else 3
-            bone = f"{digit}-{last}{end}"
-            start, tip = head(bone), base.joint(shape, base.rig[bone]["tail"])
-            along = unit(tip - start)
-            # Flexed fingers bulge towards their nails; toes' nails face the knee.
-            out = start - 0.5 * (head(f"{digit}-{last - 1}{end}") + tip)
-            if digit.startswith("toe"):
-                out = head("lowerleg01" + end) - head("foot" + end)
-            out = unit(out - along * (out @ along))
-            across = np.cross(out, along)
-            off = body[base.share([bone])[:BODY] > 0.5] - start
-            far = (off @ along).max()
-            half_breadth = 0.36 * np.ptp(off[off @ along > 0.3 * far] @ across)
-            half_length = min(0.95 * half_breadth, 0.4 * far)
-            place = far - 1.25 * half_length
-            bed = off[np.abs(off @ along - place) < half_length]
-            middle = start + place * along + (bed @ out).max() * out + np.median(bed @ across) * across
-            nails.append((middle, half_length * along, half_breadth * out))
-    return np.array(nails)
-
-
 def supine(base, shape):
     """Flexed limbs: thighs apart, feet on the table, forearms raised beside the chest, loose fists."""
     heads, turns = base.heads(shape), {}
@@ -196,22 +165,17 @@ def standard_cranium(points, size):
 
 
 def to_model(base, newborn, shape, ring):
-    """Model coordinates [mm] of the body's vertices and of the centre between the lips; eyes as (centre, radius);
-    nails_of()."""
-    turn = SIZE * 100.0 * (3.5 / newborn.weight_kg) ** (1 / 3) * rotation((1, 0, 0), PITCH_DEG).T[[0, 2, 1]]
-    lips = 0.5 * (shape[UPPER_LIP] + shape[LOWER_LIP])
-    placed = (shape - lips) @ turn + STOMION
-    nails = nails_of(base, shape)
-    nails[:, 0] -= lips
-    nails = nails @ turn
-    nails[:, 0] += STOMION
+    """Model coordinates [mm] of the body's vertices and of the centre between the lips; eyes as (centre, radius)."""
+    axes = shape[:, [0, 2, 1]] * 100.0 * (3.5 / newborn.weight_kg) ** (1 / 3)
+    lips = 0.5 * (axes[UPPER_LIP] + axes[LOWER_LIP])
+    placed = SIZE * (axes - lips) @ rotation((1, 0, 0), PITCH_DEG).T + STOMION
     eyes = []
     for eye in base.helpers.values():
         centre = 0.5 * (placed[eye].min(0) + placed[eye].max(0))
         # Less than the eyeball, so that it stays behind the line between the lids.
         eyes.append((centre, 0.47 * np.ptp(placed[eye][:, 0])))
     skin = np.vstack([placed[:BODY], placed[ring].mean(0)])
-    return standard_cranium(skin, newborn.cranium), eyes, nails
+    return standard_cranium(skin, newborn.cranium), eyes
 
 
 def thicker_ears(base, points, triangles):
@@ -236,7 +200,7 @@ def bake(archive):
     triangles, ring = closed_triangles(base)
     # The order of the axes is another than MakeHuman's, which mirrors: turn the triangles round.
     triangles = triangles[:, ::-1]
-    (term, eyes, term_nails), (preterm, _, preterm_nails) = (
+    (term, eyes), (preterm, _) = (
         to_model(base, n, supine(base, shape_of(base, n)), ring) for n in (TERM, PRETERM)
     )
     # The generator's bones and lips keep a term newborn's proportions at every age, and so does the head.
@@ -244,17 +208,15 @@ def bake(archive):
     preterm = preterm + face * (term - preterm)
     term, preterm = (thicker_ears(base, points, triangles) for points in (term, preterm))
     used, triangles = np.unique(triangles, return_inverse=True)
-    return term[used], preterm[used], triangles.reshape(-1, 3), eyes, term_nails, preterm_nails
+    return term[used], preterm[used], triangles.reshape(-1, 3), eyes
 
 
-def source(term, preterm, triangles, eyes, *nails):
+def source(term, preterm, triangles, eyes):
     quantised = np.rint(term / UNIT_MM)
     change = np.rint(preterm / UNIT_MM) - quantised
     if max(np.abs(quantised).max(), np.abs(change).max()) > 32767 or len(term) > 65535:
         sys.exit("bake.py: the body does not fit into 16-bit integers")
     rows = ["{{%s}, %.4ff}" % (", ".join("%.4ff" % x for x in centre), radius) for centre, radius in eyes]
-    vector = "{%.3ff, %.3ff, %.3ff}"
-    of_nails = [", ".join("{" + ", ".join(vector % tuple(v) for v in nail) + "}" for nail in age) for age in nails]
     return f"""// SPDX-License-Identifier: CC0-1.0
 // Made by server/patient/newborn/body/bake.py from MakeHuman's base mesh and targets (CC0).
 #include "server/patient/newborn/body/body_data.hpp"
@@ -264,10 +226,8 @@ constexpr std::int16_t term[] = {{{numbers(quantised)}}};
 constexpr std::int16_t preterm_change[] = {{{numbers(change)}}};
 constexpr std::uint16_t triangles[] = {{{numbers(triangles)}}};
 constexpr BodyEye eyes[] = {{{", ".join(rows)}}};
-constexpr BodyNail term_nails[] = {{{of_nails[0]}}};
-constexpr BodyNail preterm_nails[] = {{{of_nails[1]}}};
 }}  // namespace
-BodyData body_data() {{ return {{term, preterm_change, triangles, eyes, term_nails, preterm_nails}}; }}
+BodyData body_data() {{ return {{term, preterm_change, triangles, eyes}}; }}
 }}  // namespace eti::patient
 """
 

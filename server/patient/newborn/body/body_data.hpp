@@ -14,12 +14,6 @@ struct BodyEye {
     float radius;
 };
 
-/// A nail of a finger or toe, in model coordinates [mm]: middle of its plate, half its length along the
-/// digit, and half its breadth along the outward normal.
-struct BodyNail {
-    std::array<float, 3> middle, half_length, half_breadth;
-};
-
 /// The closed surface of a newborn's body, written at build time by bake.py; empty if its source was not at
 /// hand. Coordinates are the newborn's model coordinates (x left, y anterior, z superior) in units of
 /// `body_unit_mm`.
@@ -28,7 +22,6 @@ struct BodyData {
     std::span<const std::int16_t> preterm_change;  ///< [vertices, 3], to 28 weeks
     std::span<const std::uint16_t> triangles;      ///< [triangles, 3]
     std::span<const BodyEye> eyes;
-    std::span<const BodyNail> term_nails, preterm_nails;  ///< at term and at 28 weeks, in the same order
 };
 
 constexpr float body_unit_mm = 0.0125f;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/math/smoothstep.hpp"
 #include "common/mesh/distance.hpp"
 #include "server/patient/newborn/body/body_data.hpp"
 
@@ -51,18 +50,6 @@ BodyShape::BodyShape(float gestational_age) {
     }
     for (std::size_t t = 0; t < data.triangles.size(); t += 3) {
         mesh_.triangles.push_back({data.triangles[t], data.triangles[t + 1], data.triangles[t + 2]});
-    }
-    for (std::size_t i = 0; i < data.term_nails.size(); ++i) {
-        const auto blend = [&](std::array<float, 3> BodyNail::*part) {
-            const auto &a = data.term_nails[i].*part, &b = data.preterm_nails[i].*part;
-            const Vec3f term(a[0], a[1], a[2]);
-            return Vec3f(term + preterm * (Vec3f(b[0], b[1], b[2]) - term));
-        };
-        const Vec3f length = blend(&BodyNail::half_length), breadth = blend(&BodyNail::half_breadth);
-        const Vec3f along = length.normalized();
-        const Vec3f out = (breadth - along * along.dot(breadth)).normalized();
-        nails_.push_back(
-            {blend(&BodyNail::middle), along, along.cross(out), out, length.norm(), breadth.norm()});
     }
     bounds_ = {mesh_.vertices.front(), mesh_.vertices.front()};
     for (const Vec3f& p : mesh_.vertices) {
@@ -155,24 +142,6 @@ void BodyShape::build_detail() const {
 float BodyShape::detail(const Vec3f& point) const {
     std::call_once(built_, [&] { build_grids(); });
     return detail_.distance(point);
-}
-
-float BodyShape::nail_relief(const Vec3f& point) const {
-    constexpr float fold_depth = 0.35f, plate_height = 0.15f, fold_breadth = 0.2f;
-    for (const Nail& nail : nails_) {
-        const Vec3f off = point - nail.middle;
-        if (off.squaredNorm() > 4.0f * nail.half_breadth * nail.half_breadth ||
-            off.dot(nail.out) < -nail.half_breadth) {
-            continue;
-        }
-        // A square with round corners, whose outer end is free.
-        const float s = off.dot(nail.along) / nail.half_length, t = off.dot(nail.across) / nail.half_breadth;
-        const float around = std::pow(s * s * s * s + t * t * t * t, 0.25f);
-        const float from_rim = (around - 1.0f) / fold_breadth;
-        const float fold = std::exp(-from_rim * from_rim) * (1.0f - 0.5f * smoothstep(0.5f, 1.0f, s));
-        return fold_depth * fold - plate_height * (1.0f - smoothstep(0.75f, 1.0f, around));
-    }
-    return 0.0f;
 }
 
 float BodyShape::distance(const Vec3f& point) const {

@@ -30,10 +30,6 @@ class BodyShape {
     /// fingers and toes. Changes by at most a quarter of the distance.
     [[nodiscard]] float detail(const Vec3f& point) const;
 
-    /// Depth [mm] of the skin at a nail, about a point of the surface: the fold around its plate, less the
-    /// plate itself; 0 elsewhere.
-    [[nodiscard]] float nail_relief(const Vec3f& point) const;
-
     /// The data's surface [mm], closed and oriented outwards.
     [[nodiscard]] const TriangleMesh& surface() const { return mesh_; }
 
@@ -44,13 +40,7 @@ class BodyShape {
     void build_grids() const;
     void build_detail() const;
 
-    struct Nail {
-        Vec3f middle, along, across, out;
-        float half_length, half_breadth;
-    };
-
     TriangleMesh mesh_;
-    std::vector<Nail> nails_;
     std::array<Vec3f, 2> bounds_;
     // Distances are limited to a few spacings; beyond, the next grid answers.
     mutable std::vector<DistanceGrid> grids_;  // of head, hands and feet, and of the whole body

@@ -146,23 +146,25 @@ float lid_folds(const Vec3f& q) {
            (0.8f * crease(q.z() - line, 0.7f) + 0.5f * crease(q.z() - fold, 1.1f));
 }
 
-/// Place in a head of standard proportions. Below a cranium that is large for its face, as before 28 weeks,
-/// the middle of the face comes forward too, so that the brow does not overhang the eyes.
-Vec3f to_standard_face(const Vec3f& p, float cranium_size) {
-    Vec3f q = to_standard_cranium(p, cranium_size);
-    const float wide = 1.0f + (cranium_size - 1.0f) * smoothstep(2.0f, 50.0f, p.z());
+/// Place in a standard face of a place in a standard cranium. Below a cranium that is usually large for its
+/// face, as before 28 weeks, the middle of the face comes forward too, so that the brow does not overhang the
+/// eyes. The face does not follow a cranium that grows beyond its usual size.
+Vec3f to_standard_face(Vec3f q, float usual_size) {
+    if (usual_size <= 1.0f) {
+        return q;
+    }
+    const Vec3f p = to_scaled_cranium(q, usual_size);
+    const float wide = 1.0f + (usual_size - 1.0f) * smoothstep(2.0f, 50.0f, p.z());
     const float front = smoothstep(10.0f, 34.0f, p.y()) * (1.0f - smoothstep(24.0f, 36.0f, std::fabs(p.x())));
     const float y = cranium_axis_y + (p.y() - cranium_axis_y) / wide;
-    if (y < q.y()) {
-        q.y() += front * (y - q.y());
-    }
+    q.y() += front * std::min(y - q.y(), 0.0f);
     return q;
 }
 
 }  // namespace
 
 float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_jaw, float cranium_size,
-                   float rest_jaw_deg) {
+                   float usual_cranium_size, float rest_jaw_deg) {
     const float head = smoothstep(-62.0f, -44.0f, point.z());
     const Vec3f closed = point + head * jaw_share(point, rest_jaw_deg) * (in_jaw - point);
     // The physical outline contains the shell, which the skin must cover beneath the chin and at the nose;
@@ -175,10 +177,9 @@ float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_ja
         cover - crease_fill + 8.0f * smoothstep(-9.0f, -2.0f, point.z()) * smoothstep(0.5f, 4.0f, to_nose);
     // A wide fillet between chin and neck, whose crease opens as the head is raised.
     const float fillet = 4.0f + 10.0f * (1.0f - smoothstep(-22.0f, -12.0f, point.z()));
-    const Vec3f usual = to_standard_face(closed, cranium_size);
+    const Vec3f usual = to_standard_face(to_standard_cranium(closed, cranium_size), usual_cranium_size);
     const Vec3f q = mirrored(usual);
-    const float face =
-        smooth_union(body.distance(usual), closed_lids(q), 2.5f) + lid_folds(q) + body.nail_relief(usual);
+    const float face = smooth_union(body.distance(usual), closed_lids(q), 2.5f) + lid_folds(q);
     const float skin = smooth_union(face, skin_field(point, in_jaw, cranium_size) + within, fillet);
     constexpr float over_bone = 1.2f, farthest = 5.0f;
     if (skin < -over_bone || skin > farthest) {

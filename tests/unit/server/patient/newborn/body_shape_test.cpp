@@ -94,20 +94,5 @@ TEST_P(BodyShapeTest, DetailIsFineAtFaceAndFingers) {
     EXPECT_GT(body_.detail({0, 90, -180}), 2.0f) << "belly";
 }
 
-TEST_P(BodyShapeTest, NailsLieOnFingersAndToes) {
-    int folds = 0, plates = 0;
-    for (const Vec3f& p : body_.surface().vertices) {
-        const float relief = body_.nail_relief(p);
-        folds += relief > 0.15f ? 1 : 0;
-        plates += relief < -0.1f ? 1 : 0;
-        if (std::fabs(relief) > 0.05f) {
-            EXPECT_TRUE(std::fabs(p.x()) > 165.0f || p.z() < -335.0f) << p.transpose();
-        }
-    }
-    // Data have 10 and more vertices about a nail.
-    EXPECT_GT(folds, 100);
-    EXPECT_GT(plates, 20);
-}
-
 }  // namespace
 }  // namespace eti::patient
