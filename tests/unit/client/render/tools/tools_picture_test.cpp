@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <vector>
 
 #include "scene_picture.hpp"
@@ -62,15 +63,19 @@ TEST_F(ToolsPicture, MurphyEyeOpensTheRightWallOnly) {
     EXPECT_LT(darkest(-left) + 15, darkest(left));
 }
 
-// The connector continues the tube beyond its end.
+// The connector continues the tube beyond its end; it is drawn, but does not count for visibility.
 TEST_F(ToolsPicture, ConnectorEndsTheTube) {
     const RigidTransform& pose = scene_.tube()->connector_pose();
     EXPECT_LT((pose.translation - scene_.tube_nodes().front()).norm(), 1e-6f);
     const Vec3f cone = pose * Vec3f(0.0f, 0.0f, -18e-3f);
     const View view = tools_view(cone + 0.15f * (pose.rotation * Vec3f::UnitX()), cone);
-    const render::Image image = picture(view, scene_, Shading::object_id);
-    const std::uint8_t* middle = image.pixel(test::width / 2, test::height / 2);
-    EXPECT_EQ((test::Colour{middle[0], middle[1], middle[2]}), render::tube_colour);
+    const render::Image lit = picture(view, scene_, Shading::lit);
+    const render::Image ids = picture(view, scene_, Shading::object_id);
+    const std::uint8_t* background = lit.pixel(2, 2);
+    const std::uint8_t* drawn = lit.pixel(test::width / 2, test::height / 2);
+    const std::uint8_t* measured = ids.pixel(test::width / 2, test::height / 2);
+    EXPECT_GT(std::abs(luminance_of(drawn) - luminance_of(background)), 10);
+    EXPECT_EQ((test::Colour{measured[0], measured[1], measured[2]}), (test::Colour{0, 0, 0}));
 }
 
 // Details of the laryngoscope are drawn, but do not count for visibility.
