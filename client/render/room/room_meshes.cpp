@@ -23,24 +23,17 @@ GpuMesh mesh_of(const Solid& solid) {
 }
 
 // Meshing takes some tenths of a second; the shapes are the same in every scene.
+template <Grip grip>
+const std::array<Solid, 2>& solids_of() {
+    static const std::array<Solid, 2> solids{gloved_hand(grip, fine_triangles),
+                                             gloved_hand(grip, coarse_triangles)};
+    return solids;
+}
+
 const std::array<Solid, 2>& hand_solids(Grip grip) {
-    const auto make = [](Grip of) {
-        return std::array{gloved_hand(of, fine_triangles), gloved_hand(of, coarse_triangles)};
-    };
-    switch (grip) {
-        case Grip::handle: {
-            static const std::array<Solid, 2> handle = make(grip);
-            return handle;
-        }
-        case Grip::tube: {
-            static const std::array<Solid, 2> tube = make(grip);
-            return tube;
-        }
-        case Grip::larynx:
-            break;
-    }
-    static const std::array<Solid, 2> larynx = make(Grip::larynx);
-    return larynx;
+    constexpr std::array<const std::array<Solid, 2>& (*)(), grip_count> made_once{
+        solids_of<Grip::handle>, solids_of<Grip::tube>, solids_of<Grip::larynx>};
+    return made_once[static_cast<std::size_t>(grip)]();
 }
 
 bool presses_larynx(const RuntimeParameters& live) {
