@@ -38,9 +38,14 @@ def die_with_parent():
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
+def put(text):
+    """Writes to standard error without Python's buffer, which a signal's handler may not enter while a line is written."""
+    os.write(sys.stderr.fileno(), text.encode(errors="replace"))
+
+
 def say(text):
     """Prints a line on standard error, replacing a progress line on a terminal."""
-    print(("\r\033[K" if sys.stderr.isatty() else "") + text, file=sys.stderr, flush=True)
+    put(("\r\033[K" if sys.stderr.isatty() else "") + text + "\n")
 
 
 class Program:
@@ -195,7 +200,7 @@ class Session:
         simulated, behind = progress
         line = f"simulated {simulated:.1f} s of about {USUAL_SESSION:.0f} s, {behind:.1f} s behind the clock"
         if self.on_terminal:
-            print(f"\r\033[K{line}", end="", file=sys.stderr, flush=True)
+            put(f"\r\033[K{line}")
         else:
             self.say(line)
 

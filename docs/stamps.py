@@ -3,7 +3,8 @@
 # Copyright the NeoETI authors
 """Stamps of the measured tables in docs/charts: command, date, machine and physics version.
 
-The physics version is a short hash of the simulated state after one canonical run. A table of another version is stale:
+The physics version is a short hash of the simulated state after one canonical run, in which the operator lifts the tongue until
+he sees: what the patient looks like in the blade's view moves it, too. A table of another version is stale:
 its page says so in the line after "<!-- measured: PART -->", which this script writes.
 """
 
@@ -23,7 +24,7 @@ VERSION = re.compile(r'(physics_version = ")(\w+)')
 LINE = re.compile(r"(<!-- measured: ([\w-]+) -->\n)[^\n]*\n")
 UNSTAMPED = "unstamped"
 INDEPENDENT = "independent"     # of the physics: measures programs and network
-CANONICAL = ("--scenario", "term", "--operator", "expert", "--steps", "720", "--threads", "1", "--fast", "--no-dds", "--json")
+CANONICAL = ("--scenario", "term", "--operator", "expert", "--steps", "2000", "--threads", "1", "--fast", "--no-dds", "--json")
 # The C library computes sines in other bits where the processor has fused operations; kernels run without AVX2.
 EVERYWHERE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2", "ETI_SIMD": "sse2"}
 

@@ -5,19 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/render/skin/newborn_skin.hpp"
+#include "client/render/skin/value_noise.hpp"
 #include "client/view/sight/sky_visibility.hpp"
-#include "common/math/random.hpp"
 #include "common/math/smoothstep.hpp"
 
 namespace eti::render {
 namespace {
 
-const Vec3f skin_colour(0.91f, 0.71f, 0.63f);
-// Skin of 28 weeks is thin: blood shows through.
-const Vec3f preterm_skin_colour(0.83f, 0.57f, 0.51f);
 const Vec3f cord_colour(0.97f, 0.93f, 0.89f);
-const Vec3f lip_colour(0.82f, 0.50f, 0.47f);
-constexpr float skin_wetness = 0.10f;
+const Vec3f lip_colour(0.82f, 0.50f, 0.47f), preterm_lip_colour(0.68f, 0.35f, 0.34f);
 
 // Skin sees at least this fraction of the sky, the lining of a closed mouth almost none. The lips lie
 // between.
@@ -49,6 +46,12 @@ std::uint8_t byte_of(float share) {
     return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
 }
 
+// Hair never grows on hands and feet: their half of the range says how acral a place is.
+std::uint8_t hair_or_acral(float hair, float acral) {
+    return static_cast<std::uint8_t>(127 + std::lround(128.0f * std::clamp(hair, 0.0f, 1.0f)) -
+                                     std::lround(127.0f * std::clamp(acral, 0.0f, 1.0f)));
+}
+
 // Sky visibility through an open mouth of organs with their own surface, which lie inside the body's
 // surface.
 float organ_sky(Tissue tissue) {
@@ -67,29 +70,6 @@ float vascularity(Tissue tissue) {
         default:
             return is_bone(tissue) ? 0.0f : 1.0f;
     }
-}
-
-float lattice(int x, int y, int z) {
-    const auto mix = [](int v, std::uint64_t prime) {
-        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)) * prime;
-    };
-    return Random(mix(x, 0x8da6b343) ^ mix(y, 0xd8163841) ^ mix(z, 0xcb1ab31f)).uniform();
-}
-
-// Smooth value noise, 0-1, of unit period.
-float noise(const Vec3f& p) {
-    const Vec3f base(std::floor(p.x()), std::floor(p.y()), std::floor(p.z()));
-    const Vec3f t = p - base;
-    const int x = static_cast<int>(base.x()), y = static_cast<int>(base.y()), z = static_cast<int>(base.z());
-    const Vec3f s = t.cwiseProduct(t).cwiseProduct(Vec3f::Constant(3.0f) - 2.0f * t);
-    float sum = 0.0f;
-    for (int corner = 0; corner < 8; ++corner) {
-        const int i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;
-        const float weight = (i != 0 ? s.x() : 1.0f - s.x()) * (j != 0 ? s.y() : 1.0f - s.y()) *
-                             (k != 0 ? s.z() : 1.0f - s.z());
-        sum += weight * lattice(x + i, y + j, z + k);
-    }
-    return sum;
 }
 
 // Replaces each value by the mean over the vertex and its neighbours, `rounds` times.
@@ -112,11 +92,6 @@ void diffuse(const std::vector<Triangle>& triangles, std::vector<Value>& value, 
             value[v] = sum[v] / count[v];
         }
     }
-}
-
-// Size relative to a term newborn of 3.5 kg, whose glottis is 50 mm from the gum.
-float patient_size(const Landmarks& rest) {
-    return (at(rest, Landmark::glottis) - at(rest, Landmark::upper_gum)).norm() / 0.050f;
 }
 
 // Share of the vermilion at a point of the face: at term 1 within 2 mm of a lip's edge, which extends 16 mm,
@@ -219,8 +194,7 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
     // Half a millimetre wide at the cords: a border along edges is a saw before a lens.
     diffuse(surface.mesh.triangles, colour, border_rounds);
     diffuse(surface.mesh.triangles, vessels, border_rounds);
-    const float size = patient_size(rest);
-    const Vec3f own_skin = skin_colour + smoothstep(0.9f, 0.68f, size) * (preterm_skin_colour - skin_colour);
+    const NewbornSkin newborn(rest);
     std::vector<VertexColour> result(count);
     std::vector<VertexRelief> relief(count);
     for (std::size_t v = 0; v < count; ++v) {
@@ -228,23 +202,30 @@ SurfaceAppearance surface_appearance(const bus::RestSurface& surface, const Land
         const Vec3f& p = surface.mesh.vertices[v];
         Vec3f c = colour[v];
         float w = wet[v] / shares;
-        float mucosa = vessels[v];
+        float mucosa = vessels[v], grown = 0.0f, acral = 0.0f;
         if (softness[v] > 0.0f) {
             const float skin = smoothstep(lining_sky, skin_sky, sky[v]) * softness[v] / shares;
-            const float lip = skin * vermilion(p, rest, size);
-            c += skin * (own_skin - c);
+            const float lip = skin * vermilion(p, rest, newborn.size());
+            const Vec3f place = newborn.to_model(p);
+            const NewbornSkin::Look look = newborn.look(place, sky[v]);
+            c += skin * (look.colour - c);
             c += 0.75f * lip * (lip_colour - c);
-            w += skin * (skin_wetness - w) + 0.3f * lip;
+            w += skin * (look.wetness - w) + 0.3f * lip;
+            grown = skin * (1.0f - lip) * newborn.hair(place);
+            acral = skin * newborn.acral(place);
             mucosa -= skin;
         }
+        if (label[v] == Tissue::lip) {
+            c -= newborn.prematurity() * (c - preterm_lip_colour);
+        }
         // Blotches of about 4 mm and 1.5 mm; blood absorbs mainly red's complement.
-        const float blotch = 0.6f * noise(p * 250.0f) + 0.4f * noise(p * 700.0f) - 0.5f;
+        const float blotch = 0.6f * value_noise(p * 250.0f) + 0.4f * value_noise(p * 700.0f) - 0.5f;
         c = c.cwiseProduct(Vec3f(1.0f + 0.06f * blotch, 1.0f + 0.16f * blotch, 1.0f + 0.15f * blotch));
         for (int k = 0; k < 3; ++k) {
             result[v][static_cast<std::size_t>(k)] = byte_of(c[k]);
         }
         result[v][3] = byte_of(w);
-        relief[v] = {byte_of(sky[v]), byte_of(mucosa), tissue_label(label[v]), 0};
+        relief[v] = {byte_of(sky[v]), byte_of(mucosa), tissue_label(label[v]), hair_or_acral(grown, acral)};
     }
     return {std::move(result), std::move(relief)};
 }

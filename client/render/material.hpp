@@ -21,7 +21,7 @@ using VertexColour = std::array<std::uint8_t, 4>;
 /// sRGB colour, 0-1, of the section face of a surface of this tissue.
 [[nodiscard]] Vec3f cut_colour(Tissue tissue);
 
-/// Each 0-255: sky visibility, share of mucosa, and tissue label.
+/// Each 0-255: sky visibility, share of mucosa, tissue label; above 127, density of hair, below, how acral.
 using VertexRelief = std::array<std::uint8_t, 4>;
 
 /// Label of a tissue in pictures used for measurement.

@@ -108,7 +108,7 @@ void SceneRenderer::draw(const View& view, const view::SceneView& scene, const R
                                   part,
                                   shading};
         if (meshes_.ready() && !context.ids()) {
-            shadows_.draw(context, meshes_);
+            shadows_.draw(context, meshes_, liquid_);
         }
         target.bind_scene();
         begin_passes(context);

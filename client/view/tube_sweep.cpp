@@ -12,11 +12,6 @@
 namespace eti::view {
 namespace {
 
-// The 15 mm conical connector (ISO 5356-1), its flange, and the spigot that enters the tube.
-constexpr float connector_length = 0.022f;
-constexpr float connector_radius = 7.5e-3f;
-constexpr float spigot_length = 6e-3f;
-
 struct CurvePoint {
     Vec3f position;
     Vec3f tangent;
@@ -88,25 +83,13 @@ CurvePoint at_arc(const std::vector<CurvePoint>& curve, float arc) {
     return between;
 }
 
-struct Ring {
-    float arc;     // [m] from the connector's end of the tube; negative on the connector
-    float radius;  // [m], outer
-};
-
-std::array<Ring, TubeSweep::rings> profile(const Tube& tube, float length) {
-    std::array<Ring, TubeSweep::rings> result{};
-    const float widest = std::max(connector_radius, 1.2f * tube.outer_radius());
-    const std::array<Ring, 6> connector{{{-spigot_length - connector_length, 0.97f * widest},
-                                         {-spigot_length - 0.1f * connector_length, widest},
-                                         {-spigot_length, 1.15f * widest},
-                                         {-spigot_length + 1e-3f, 1.15f * widest},
-                                         {-spigot_length + 1.5e-3f, 1.3f * tube.outer_radius()},
-                                         {-1e-4f, 1.25f * tube.outer_radius()}}};
-    std::copy(connector.begin(), connector.end(), result.begin());
-    const std::size_t rest = result.size() - connector.size();
-    for (std::size_t i = 0; i < rest; ++i) {
-        const float share = static_cast<float>(i) / static_cast<float>(rest - 1);
-        result[connector.size() + i] = {share * length, tube.outer_radius()};
+// Arc length [m] of each ring from the connector's end of the tube: twice as dense at the tip, where the
+// bevel is.
+std::array<float, TubeSweep::rings> arcs_of_rings(float length) {
+    std::array<float, TubeSweep::rings> result{};
+    for (std::size_t i = 0; i < result.size(); ++i) {
+        const float share = static_cast<float>(i) / static_cast<float>(result.size() - 1);
+        result[i] = length * share * (4.0f - share) / 3.0f;
     }
     return result;
 }
@@ -161,17 +144,17 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
         return false;
     }
     const float length = curve.back().arc;
-    const auto outline = profile(tube_, length);
+    const auto arcs = arcs_of_rings(length);
     static const auto around_ring = directions();
     const float setback_zone = std::min(4.0f * tube_.outer_radius(), length);
     std::size_t index = 0;
-    const auto sweep_ring = [&](const Ring& ring, float radius, float outward) {
-        const float near_tip = std::max(0.0f, 1.0f - (length - ring.arc) / setback_zone);
-        CurvePoint centre = at_arc(curve, ring.arc);
+    const auto sweep_ring = [&](float ring, float radius, float outward) {
+        const float near_tip = std::max(0.0f, 1.0f - (length - ring) / setback_zone);
+        CurvePoint centre = at_arc(curve, ring);
         Vec3f left = centre.across.cross(centre.tangent);
         for (int side = 0; side < sides; ++side, ++index) {
             const Direction& direction = around_ring[static_cast<std::size_t>(side)];
-            float arc = ring.arc;
+            float arc = ring;
             // The bevel sets back the left side; elsewhere a ring has a single centre.
             if (near_tip > 0.0f) {
                 const float leftness = 0.5f * (1.0f + direction.sine);
@@ -184,12 +167,16 @@ bool TubeSweep::update(std::span<const Vec3f> nodes) {
                                 direction.around};
         }
     };
-    for (const Ring& ring : outline) {
-        sweep_ring(ring, ring.radius, 1.0f);
+    for (const float ring : arcs) {
+        sweep_ring(ring, tube_.outer_radius(), 1.0f);
     }
-    for (auto ring = outline.rbegin(); ring != outline.rend(); ++ring) {
+    for (auto ring = arcs.rbegin(); ring != arcs.rend(); ++ring) {
         sweep_ring(*ring, tube_.inner_radius(), -1.0f);
     }
+    const CurvePoint& start = curve.front();
+    Mat3f axes;
+    axes << start.across, start.tangent.cross(start.across), start.tangent;
+    connector_pose_ = RigidTransform::from(Quatf(axes), start.position);
     revision_ = next_revision();
     return true;
 }

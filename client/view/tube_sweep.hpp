@@ -16,17 +16,17 @@ namespace eti::view {
 struct TubeVertex {
     Vec3f position = Vec3f::Zero();  ///< [m]
     Vec3f normal = Vec3f::UnitZ();
-    float from_tip = 0.0f;  ///< [m] along the centre line; the connector lies beyond the tube's length
+    float from_tip = 0.0f;  ///< [m] along the centre line; on the connector more than the tube's length
     float around = 0.0f;    ///< turns from the concave side, 0-1, towards the patient's left
 };
 
-/// The tube's surface: outer and inner wall swept along the centre line, closed, with a connector at one
-/// end and a bevelled opening at the other. The bevel faces left when the concave side lies anterior, as on
-/// a Magill tip.
+/// The tube's surface: outer and inner wall swept along the centre line, closed, with a bevelled opening at
+/// the tip. The bevel faces left when the concave side lies anterior, as on a Magill tip. The connector is a
+/// rigid mesh of its own.
 class TubeSweep {
   public:
-    static constexpr int rings = 80;  ///< along each wall
-    static constexpr int sides = 16;  ///< around
+    static constexpr int rings = 52;  ///< along each wall
+    static constexpr int sides = 24;  ///< around
 
     explicit TubeSweep(const Tube& tube);
 
@@ -36,12 +36,16 @@ class TubeSweep {
     [[nodiscard]] const Tube& tube() const { return tube_; }
     [[nodiscard]] std::span<const TubeVertex> vertices() const { return vertices_; }
     [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
+    /// Frame of the connector: origin at the tube's end, z along the tube towards its tip, x the concave
+    /// side.
+    [[nodiscard]] const RigidTransform& connector_pose() const { return connector_pose_; }
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   private:
     Tube tube_;
     std::vector<TubeVertex> vertices_;
     std::vector<Triangle> triangles_;
+    RigidTransform connector_pose_;
     std::uint64_t revision_ = 0;  ///< 0: no nodes received yet
 };
 

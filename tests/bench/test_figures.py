@@ -170,7 +170,7 @@ class Figures(unittest.TestCase):
 
     def test_tables_that_contradict_the_pages_are_reported(self):
         self.needs_drawing()
-        self.bench(f'cp {ROOT / CHARTS / "calibration.csv"} "$folder/calibration.csv"')
+        self.bench(f'cp "{ROOT / CHARTS / "calibration.csv"}" "$folder/calibration.csv"')
         self.physics("0123456789abcdef")
         self.claims(hold=False)
         done = self.figures("--only", "calibration")

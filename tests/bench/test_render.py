@@ -5,6 +5,7 @@
 
 import csv
 import os
+import platform
 import subprocess
 import tempfile
 import unittest
@@ -19,6 +20,8 @@ SHORT = {("back_faces", scenario, moment, view)
     ("back_faces", "term", "touch", "laryngoscope"), ("back_faces", "term", "touch", "lens")}
 # A build without the data of a whole body draws another newborn.
 WHOLE_BODY = (BIN.parent / "newborn_body" / "made_from").read_text(encoding="utf-8").strip() != "none"
+# Another compiler's last bits are another tremor of the hand, and so another best moment.
+AS_GOLDEN = WHOLE_BODY and platform.freedesktop_os_release().get("VERSION_CODENAME") == "bookworm"
 MET = ("back_faces", "blade_in_tissue", "edge_stretch", "open_contours", "vertices_apart", "golden_apart",
        "lumen_to_cords", "lumen_to_tongue", "clipped", "fine_outline", "pogo_apart")
 
@@ -29,13 +32,13 @@ class Render(unittest.TestCase):
             done = subprocess.run(
                 [BIN / "eti-bench", "render", "--quick", "--scenario", "term", "premature", "premature_bleeding",
                  "--no-pictures", "--width", "960", "--height", "540", "--out", out,
-                 *(["--golden", GOLDEN] if WHOLE_BODY else [])],
+                 *(["--golden", GOLDEN] if AS_GOLDEN else [])],
                 capture_output=True, text=True, timeout=500)
             self.assertEqual(done.returncode, 0, done.stderr)
             with open(Path(out) / "render.csv", newline="", encoding="utf-8") as file:
                 rows = list(csv.DictReader(file))
         for measure in MET:
-            if measure == "golden_apart" and not WHOLE_BODY:
+            if measure == "golden_apart" and not AS_GOLDEN:
                 continue
             of = [row for row in rows if row["measure"] == measure]
             self.assertTrue(of, f"{measure} was not measured")

@@ -42,6 +42,11 @@ bool same_pose(const std::optional<RigidTransform>& a, const std::optional<Rigid
            (!a || (a->translation == b->translation && a->rotation.coeffs() == b->rotation.coeffs()));
 }
 
+// [m], of chest_rise.glsl in a newborn of 3.5 kg.
+constexpr float largest_rise = 2e-3f;
+// An expiration of which 0.01 mm is left has ended.
+constexpr float least_inflation = 0.005f;
+
 constexpr std::array coarse_cells{1e-3f, 3e-3f};  // [m], by ShadowLod
 
 enum class Layer : std::uint8_t { body, organs, bones };
@@ -53,9 +58,10 @@ Layer layer_of(Tissue tissue) {
 }  // namespace
 
 PatientMesh::PatientMesh()
-    : skinning_("skinning", {fmt::format("GROUPS {}", groups), fmt::format("FIRST_WEIGHT {}", 2 + groups)},
-                blade_clearance_source() + std::string(shaders::skinning_vertex),
-                {"skinned_position", "skinned_normal"}) {
+    : skinning_(
+          "skinning", {fmt::format("GROUPS {}", groups), fmt::format("FIRST_WEIGHT {}", 2 + groups)},
+          blade_clearance_source() + std::string(shaders::chest_rise) + std::string(shaders::skinning_vertex),
+          {"skinned_position", "skinned_normal"}) {
     skinning_.use();
     skinning_.set("frames", 0);
     glBindRenderbuffer(GL_RENDERBUFFER, pixel_.name());
@@ -166,9 +172,15 @@ void PatientMesh::set_film(const Buffer& film) {
     film_ = film.name();
 }
 
+void PatientMesh::set_inflation(float inflation, float size) {
+    inflation_ = inflation < least_inflation ? 0.0f : inflation;
+    newborn_size_ = size;
+}
+
 void PatientMesh::update(const view::SceneView& scene) {
     const bool same_frames = frames_revision_ == scene.frames_revision();
-    if (vertex_count_ == 0 || (same_frames && same_pose(blade_, scene.laryngoscope_pose()))) {
+    if (vertex_count_ == 0 ||
+        (same_frames && same_pose(blade_, scene.laryngoscope_pose()) && inflation_ == skinned_inflation_)) {
         return;
     }
     skin(scene);
@@ -178,6 +190,12 @@ void PatientMesh::update(const view::SceneView& scene) {
             blade_clearance_for(scene.keys()->laryngoscope(), *blade_, scene.landmarks());
         gives_way = [placed](const Vec3f& centre, float radius) { return placed.reach(centre, radius); };
     }
+    if (inflation_ > 0.0f) {
+        const float rise = inflation_ * newborn_size_ * largest_rise;
+        gives_way = [rise, displaced = std::move(gives_way)](const Vec3f& centre, float radius) {
+            return rise + (displaced ? displaced(centre, radius) : 0.0f);
+        };
+    }
     for (Part& part : parts_) {
         part.blocks.update(scene.frame_maps(), gives_way);
     }
@@ -186,6 +204,7 @@ void PatientMesh::update(const view::SceneView& scene) {
 
 void PatientMesh::skin(const view::SceneView& scene) {
     blade_ = scene.laryngoscope_pose();
+    skinned_inflation_ = inflation_;
     skinned_revision_ = view::next_revision();
     upload(GL_TEXTURE_BUFFER, frames_, rows_of(scene.frame_maps()), GL_STREAM_DRAW);
     glActiveTexture(GL_TEXTURE0);
@@ -195,6 +214,7 @@ void PatientMesh::skin(const view::SceneView& scene) {
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     skinning_.use();
+    skinning_.set("breath", Eigen::Vector2f(inflation_, newborn_size_));
     const bool held = blade_ && scene.keys();
     skinning_.set("blade_held", held ? 1 : 0);
     if (held) {

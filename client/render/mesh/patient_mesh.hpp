@@ -39,7 +39,9 @@ class PatientMesh {
     void build(const view::SceneView& scene);
     /// Sets the appearance of one surface, as built.
     void set_appearance(std::size_t part, const SurfaceAppearance& look);
-    /// Re-skins if the scene's frames, or the blade that displaces tissue, have changed.
+    /// Sets the rise of chest and abdomen, 0-1, of a newborn of this size relative to 3.5 kg.
+    void set_inflation(float inflation, float size);
+    /// Re-skins if the scene's frames, the blade that displaces tissue, or the inflation have changed.
     void update(const view::SceneView& scene);
 
     struct Part {
@@ -129,6 +131,7 @@ class PatientMesh {
     std::array<TriangleBlocks::Range, 2> coarse_{};  // in the index buffer, by ShadowLod
     std::uint64_t frames_revision_ = 0;
     std::uint64_t skinned_revision_ = 0;
+    float inflation_ = 0.0f, skinned_inflation_ = 0.0f, newborn_size_ = 1.0f;
     std::optional<RigidTransform> blade_;  // blade that displaced tissue in the last skinning
 };
 

@@ -11,6 +11,9 @@
 
 #include "client/render/lighting.hpp"
 #include "client/render/mesh/creased_mesh.hpp"
+#include "client/render/skin/newborn_skin.hpp"
+#include "client/render/tools/laryngoscope_details.hpp"
+#include "client/render/tools/tube_connector.hpp"
 #include "common/math/units.hpp"
 
 namespace eti::render {
@@ -65,6 +68,7 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
     });
     patient_.build(scene);
     blade_.reset();
+    blade_details_.reset();
     bulb_.reset();
     Solid spare;
     if (scene.laryngoscope()) {
@@ -72,11 +76,13 @@ void SceneMeshes::rebuild(const view::SceneView& scene) {
         const CreasedMesh mesh = subdivide_long_edges(
             creased(*scene.laryngoscope(), crease_angle),
             [&](const Vec3f& at) { return std::max(shortest_edge, edge_by_distance * (at - lamp).norm()); });
-        const std::vector<VertexColour> steel(mesh.vertices.size(), VertexColour{198, 200, 205, 255});
+        const std::vector<VertexColour> steel(mesh.vertices.size(), steel_colour);
         blade_.emplace(mesh.triangles, mesh.vertices, steel);
         const CreasedMesh plain = creased(*scene.laryngoscope(), crease_angle);
         spare = {plain.vertices, std::vector<VertexColour>(plain.vertices.size(), steel.front()),
                  plain.triangles};
+        const Solid details = laryngoscope_details(scene.keys()->laryngoscope());
+        blade_details_.emplace(details.triangles, details.vertices, details.colours);
         bulb_.emplace(bulb_mesh(lamp));
     }
     room_.build(scene, spare);
@@ -95,6 +101,22 @@ void SceneMeshes::take_appearances(Baking baking) {
     ready_ = true;
 }
 
+void SceneMeshes::live(const view::SceneView& scene) {
+    const double time_s = 1e-9 * static_cast<double>(scene.simulation_time_ns());
+    const LiveMeasures& now = scene.measures();
+    const auto measured = [](float value) {
+        return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+    };
+    const std::optional<double> saturation = measured(now.oxygen_saturation_percent);
+    circulation_.update(time_s, saturation, measured(now.heart_rate_per_min));
+    // As the server ventilates: between attempts, unless the tube is in the oesophagus.
+    const auto& metrics = scene.metrics();
+    const bool ventilated = saturation && metrics && !metrics->attempt_running() &&
+                            metrics->tube_place() != msg::TubePlace::TUBE_IN_OESOPHAGUS;
+    breathing_.update(time_s, ventilated);
+    patient_.set_inflation(breathing_.inflation(), NewbornSkin(scene.rest_landmarks()).size());
+}
+
 void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (!scene.complete()) {
         ready_ = false;
@@ -108,11 +130,15 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
     if (!ready_) {
         return;
     }
+    live(scene);
     patient_.update(scene);
     room_.sync(scene);
     if (const view::TubeSweep* sweep = scene.tube()) {
         if (!tube_) {
             tube_.emplace(sweep->triangles());
+            const TubeConnector connector = make_tube_connector(sweep->tube());
+            connector_.emplace(connector.triangles);
+            connector_->upload(connector.vertices);
         }
         if (tube_->revision != sweep->revision()) {
             tube_->upload(sweep->vertices());
@@ -120,6 +146,7 @@ void SceneMeshes::sync(const view::SceneView& scene, Baking baking) {
         }
     } else {
         tube_.reset();
+        connector_.reset();
     }
 }
 

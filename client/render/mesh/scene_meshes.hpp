@@ -12,6 +12,8 @@
 #include "client/render/mesh/gpu_mesh.hpp"
 #include "client/render/mesh/patient_mesh.hpp"
 #include "client/render/room/room_meshes.hpp"
+#include "client/render/skin/breathing.hpp"
+#include "client/render/skin/circulation.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {
@@ -34,23 +36,32 @@ class SceneMeshes {
     [[nodiscard]] PatientMesh& patient() { return patient_; }
     [[nodiscard]] const PatientMesh& patient() const { return patient_; }
     [[nodiscard]] const std::optional<GpuMesh>& blade() const { return blade_; }
+    /// Parts of the laryngoscope that are only drawn.
+    [[nodiscard]] const std::optional<GpuMesh>& blade_details() const { return blade_details_; }
     [[nodiscard]] const std::optional<GpuMesh>& bulb() const { return bulb_; }
     [[nodiscard]] const RoomMeshes& room() const { return room_; }
     [[nodiscard]] const std::optional<GpuMesh>& tube() const { return tube_; }
+    /// In the frame of TubeSweep::connector_pose().
+    [[nodiscard]] const std::optional<GpuMesh>& connector() const { return connector_; }
+    [[nodiscard]] const Circulation& circulation() const { return circulation_; }
 
   private:
     using Appearances = std::map<std::string, SurfaceAppearance>;
 
     void rebuild(const view::SceneView& scene);
     void take_appearances(Baking baking);
+    /// Follows the vital signs.
+    void live(const view::SceneView& scene);
 
     std::uint64_t scene_revision_ = 0;
     bool ready_ = false;
     std::future<Appearances> baking_;
     PatientMesh patient_;
-    std::optional<GpuMesh> blade_, bulb_;
+    std::optional<GpuMesh> blade_, blade_details_, bulb_;
     RoomMeshes room_;
-    std::optional<GpuMesh> tube_;
+    std::optional<GpuMesh> tube_, connector_;
+    Circulation circulation_;
+    Breathing breathing_;
 };
 
 }  // namespace eti::render

@@ -17,9 +17,6 @@ namespace {
 using Packed = std::array<Eigen::half, 4>;
 static_assert(sizeof(Packed) == 8);
 
-// Many films scatter this much more than the liquid alone.
-constexpr float brighter = 1.3f;
-
 }  // namespace
 
 FoamRenderer::FoamRenderer() : programs_("foam", shaders::foam_vertex, shaders::foam_fragment) {
@@ -47,7 +44,7 @@ void FoamRenderer::upload(std::span<const view::Bubble> bubbles) {
 }
 
 void FoamRenderer::draw(const DrawContext& context, const ShadowPass& shadows, float lift,
-                        const Vec3f& liquid) {
+                        const Vec3f& albedo) {
     if (count_ == 0) {
         return;
     }
@@ -64,7 +61,7 @@ void FoamRenderer::draw(const DrawContext& context, const ShadowPass& shadows, f
     program.set("clip_plane", context.clip_plane);
     program.set("lift", lift);
     program.set("height", static_cast<float>(context.viewport.height));
-    program.set("tint", Vec3f(brighter * liquid));
+    program.set("tint", albedo);
     glEnable(GL_PROGRAM_POINT_SIZE);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -22,9 +22,9 @@ class FoamRenderer {
     void upload(std::span<const view::Bubble> bubbles);
 
     /// Draws over the bound framebuffer, after the liquid, in the state of begin_passes(); writes no depth.
-    /// `lift` [m]: offset from the particles to the visible surface; `liquid`: the liquid's scattering
-    /// colour, used for the shells.
-    void draw(const DrawContext& context, const ShadowPass& shadows, float lift, const Vec3f& liquid);
+    /// `lift` [m]: offset from the particles to the visible surface; `albedo`: of light
+    /// scattered by the bubbles' films.
+    void draw(const DrawContext& context, const ShadowPass& shadows, float lift, const Vec3f& albedo);
 
   private:
     ShaderVariants programs_;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -15,14 +15,15 @@
 #include "client/render/draw_context.hpp"
 #include "client/render/passes/shadow_pass.hpp"
 #include "client/render/shaders/shaders.hpp"
-#include "common/math/smoothstep.hpp"
+#include "common/model/liquid_kind.hpp"
 
 namespace eti::render {
 namespace {
 
 // From this height on the liquid's buffers have half the view's resolution per side.
 constexpr int halved_from = 800;
-// Filter widths of the smoothing passes, in sphere sizes: the second fills the steps that the first leaves.
+// Filter widths of the smoothing passes, in particle spacings: the second, in fine pictures only, fills the
+// steps that the first leaves.
 constexpr float smoothing_widths[] = {0.45f, 0.18f};
 
 void make_texture(const Texture& texture, GLenum format, int width, int height) {
@@ -81,12 +82,28 @@ struct PackedFilament {
 };
 static_assert(sizeof(PackedFilament) == 32);
 
-// Sphere radius as a fraction of the full one: an isolated drop has a particle's volume, a cube of its
-// spacing; in bulk liquid spheres overlap.
-std::uint8_t share_of(float crowd) {
-    constexpr float alone = 0.62f, amid = 4.0f;
-    return static_cast<std::uint8_t>(
-        std::lround(255.0f * std::lerp(alone, 1.0f, smoothstep(0.0f, amid, crowd))));
+// A particle's ellipsoid: 12 bytes, sent with each state. Place in the box of all, radii relative to the
+// widest, vector part of the rotation.
+struct PackedEllipsoid {
+    std::array<std::uint16_t, 3> place;
+    std::array<std::uint8_t, 3> radii;
+    std::array<std::int8_t, 3> turn;
+};
+static_assert(sizeof(PackedEllipsoid) == 12);
+
+PackedEllipsoid packed(const view::LiquidEllipsoid& shape, const Eigen::AlignedBox3f& box, float largest) {
+    const Quatf& q = shape.rotation;
+    const float sign = q.w() < 0.0f ? -1.0f : 1.0f;
+    PackedEllipsoid out{};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        const float size = box.sizes()[axis];
+        const float place = size > 0.0f ? (shape.centre[axis] - box.min()[axis]) / size : 0.0f;
+        out.place[k] = static_cast<std::uint16_t>(std::lround(65535.0f * place));
+        out.radii[k] = static_cast<std::uint8_t>(std::lround(255.0f * shape.radii[axis] / largest));
+        out.turn[k] = static_cast<std::int8_t>(std::lround(127.0f * sign * q.vec()[axis]));
+    }
+    return out;
 }
 
 // Beads grow as a filament drains (Bhat et al. 2010, Nature Physics 6:625).
@@ -131,12 +148,14 @@ LiquidSurface::LiquidSurface()
       smooth_("liquid's smoothing", {}, shaders::quad_vertex, shaders::smooth_fragment),
       surface_("liquid's surface", shaders::quad_vertex, shaders::liquid_surface_fragment) {
     glBindVertexArray(array_.name());
-    glBindBuffer(GL_ARRAY_BUFFER, positions_.name());
-    glEnableVertexAttribArray(0);
-    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
-    glBindBuffer(GL_ARRAY_BUFFER, shares_.name());
-    glEnableVertexAttribArray(1);
-    glVertexAttribPointer(1, 1, GL_UNSIGNED_BYTE, GL_TRUE, 1, nullptr);
+    glBindBuffer(GL_ARRAY_BUFFER, ellipsoids_.name());
+    const auto part = [](GLuint location, GLenum type, std::size_t offset) {
+        glEnableVertexAttribArray(location);
+        glVertexAttribPointer(location, 3, type, GL_TRUE, sizeof(PackedEllipsoid), buffer_offset(offset));
+    };
+    part(0, GL_UNSIGNED_SHORT, offsetof(PackedEllipsoid, place));
+    part(1, GL_UNSIGNED_BYTE, offsetof(PackedEllipsoid, radii));
+    part(2, GL_BYTE, offsetof(PackedEllipsoid, turn));
     glBindVertexArray(filament_array_.name());
     glBindBuffer(GL_ARRAY_BUFFER, filaments_.name());
     for (GLuint end = 0; end < 2; ++end) {
@@ -150,25 +169,35 @@ LiquidSurface::LiquidSurface()
 void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail,
                            LiquidKind kind) {
     optics_ = optics_of(kind);
-    particles_.assign(positions.begin(), positions.end());
-    extent_ = particles_;
-    radius_ = sphere_size * spacing;
+    froths_ = properties_of(kind).foaming > 0.5f;
+    particle_count_ = positions.size();
+    extent_.clear();
+    radius_ = spacing;
     filament_count_ = 0;
     box_.setEmpty();
     foam_.upload(empty() ? std::span<const view::Bubble>() : detail.foam().bubbles());
     if (empty()) {
         return;
     }
-    render::upload(GL_ARRAY_BUFFER, positions_, positions, GL_STREAM_DRAW);
-    for (const Vec3f& p : particles_) {
-        box_.extend(p);
+    std::vector<view::LiquidEllipsoid> plain;
+    if (positions.size() > view::LiquidDetail::max_particles) {
+        for (const Vec3f& p : positions) {
+            plain.push_back({p, Vec3f::Constant(spacing), Quatf::Identity()});
+        }
+    } else {
+        fitted_.fit(positions, spacing);
     }
-    std::vector<std::uint8_t> shares(positions.size(), std::numeric_limits<std::uint8_t>::max());
-    if (positions.size() <= view::LiquidDetail::max_particles) {
-        density_.count(positions, spacing);
-        std::ranges::transform(density_.densities(), shares.begin(), share_of);
+    const std::span<const view::LiquidEllipsoid> shapes = plain.empty() ? fitted_.ellipsoids() : plain;
+    for (const view::LiquidEllipsoid& shape : shapes) {
+        box_.extend(shape.centre);
+        extent_.push_back(shape.centre);
     }
-    render::upload(GL_ARRAY_BUFFER, shares_, shares, GL_STREAM_DRAW);
+    std::vector<PackedEllipsoid> sent;
+    sent.reserve(shapes.size());
+    for (const view::LiquidEllipsoid& shape : shapes) {
+        sent.push_back(packed(shape, box_, largest()));
+    }
+    render::upload(GL_ARRAY_BUFFER, ellipsoids_, sent, GL_STREAM_DRAW);
     std::vector<PackedFilament> filaments;
     for (const view::LiquidFilament& filament : detail.filaments().filaments()) {
         filaments.push_back({filament.from.place, filament.radius(), filament.to.place, bead_of(filament)});
@@ -181,9 +210,16 @@ void LiquidSurface::upload(std::span<const Vec3f> positions, float spacing, cons
     }
 }
 
-void LiquidSurface::draw_particles() const {
+float LiquidSurface::largest() const {
+    return view::LiquidEllipsoids::widest * radius_;
+}
+
+void LiquidSurface::draw_particles(ShaderProgram& program) const {
+    program.set("box_low", Vec3f(box_.min()));
+    program.set("box_size", Vec3f(box_.sizes()));
+    program.set("largest", largest());
     glBindVertexArray(array_.name());
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particles_.size()));
+    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(particle_count_));
 }
 
 void LiquidSurface::draw_quad() const {
@@ -203,8 +239,8 @@ void LiquidSurface::draw_spheres(Spheres& programs, const Camera& camera, const 
         program.set("height", static_cast<float>(layers_->height));
     };
     use(programs.particles);
-    programs.particles.set("radius", radius_);
-    draw_particles();
+    programs.particles.set("particle_volume", radius_ * radius_ * radius_);
+    draw_particles(programs.particles);
     if (filament_count_ > 0) {
         use(programs.filaments);
         glBindVertexArray(filament_array_.name());
@@ -212,12 +248,12 @@ void LiquidSurface::draw_spheres(Spheres& programs, const Camera& camera, const 
     }
 }
 
-void LiquidSurface::smooth(float sphere_pixels_at_one_metre) {
+void LiquidSurface::smooth(float sphere_pixels_at_one_metre, bool fine) {
     smooth_.use();
     smooth_.set("depth", 0);
     smooth_.set("radius", radius_);
     smooth_.set("sphere_pixels", sphere_pixels_at_one_metre);
-    for (const float width : smoothing_widths) {
+    for (const float width : std::span(smoothing_widths).first(fine ? 2 : 1)) {
         smooth_.set("width", width);
         glBindFramebuffer(GL_FRAMEBUFFER, layers_->smoothed_target.name());
         bind(GL_TEXTURE0, layers_->depth);
@@ -243,7 +279,7 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     const int layer_width = std::max(width / part, 1);
     const int layer_height = std::max(height / part, 1);
     const Eigen::Matrix4f projection = camera.projection(context.viewport.aspect());
-    const auto [left, bottom, across, up] = pixels_of_spheres(extent_, radius_, projection * camera.view(),
+    const auto [left, bottom, across, up] = pixels_of_spheres(extent_, largest(), projection * camera.view(),
                                                               projection(1, 1), layer_width, layer_height);
     if (across <= 0 || up <= 0) {
         return;
@@ -264,7 +300,7 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     draw_spheres(thickness_, camera, projection, clip_plane);
     glDisable(GL_BLEND);
     glDisable(GL_PROGRAM_POINT_SIZE);
-    smooth(projection(1, 1) * radius_ * static_cast<float>(layer_height));
+    smooth(projection(1, 1) * radius_ * static_cast<float>(layer_height), context.quality.fine);
 
     glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(bound));
     glViewport(x, y, width, height);
@@ -272,7 +308,14 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_SRC1_COLOR);
-    ShaderProgram& surface = surface_.variant(shadows.defines(context, context.lamplit()));
+    ShaderProgram::Defines defines = shadows.defines(context, context.lamplit());
+    if (context.quality.fine) {
+        defines.emplace_back("FINE");
+    }
+    if (context.quality.fine && froths_) {
+        defines.emplace_back("FROTH");
+    }
+    ShaderProgram& surface = surface_.variant(defines);
     surface.use();
     context.lighting.apply(surface, camera.eye);
     context.lighting.apply_mouth(surface, context.scene.landmarks());
@@ -286,6 +329,7 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     surface.set("extinction", optics_.extinction);
     surface.set("deepest", optics_.max_depth);
     surface.set("albedo", optics_.albedo);
+    surface.set("froth", optics_.froth);
     surface.set("depth", 0);
     surface.set("thickness", 1);
     bind(GL_TEXTURE1, layers_->thickness);
@@ -293,7 +337,7 @@ void LiquidSurface::draw(const DrawContext& context, const ShadowPass& shadows) 
     draw_quad();
     glDisable(GL_BLEND);
     glScissor(x, y, width, height);
-    foam_.draw(context, shadows, 0.9f * radius_, optics_.albedo);
+    foam_.draw(context, shadows, 0.9f * radius_, optics_.froth);
     glEnable(GL_CULL_FACE);
 }
 

@@ -15,7 +15,7 @@
 #include "client/render/passes/liquid_optics.hpp"
 #include "client/render/views/camera.hpp"
 #include "client/view/liquid/liquid_detail.hpp"
-#include "client/view/liquid/neighbour_density.hpp"
+#include "client/view/liquid/liquid_ellipsoids.hpp"
 
 namespace eti::render {
 
@@ -23,9 +23,10 @@ struct DrawContext;
 class ShadowPass;
 
 /// Screen-space fluid rendering of liquid particles as one wet, translucent surface (van der Laan et al.
-/// 2009): sphere depths, smoothed within each surface, then shaded with normals of the smoothed depth.
-/// Filaments are spheres in the same buffers; foam is drawn on top. The cost depends on the view's pixels,
-/// not on the number of particles.
+/// 2009): depths of anisotropic ellipsoids, smoothed within each surface, then shaded with normals of the
+/// smoothed depth. Paths through the ellipsoids add up to the particles' volume, and so to the depth of a
+/// pool. Filaments are spheres in the same buffers; foam is drawn on top. The cost depends on the view's
+/// pixels, not on the number of particles.
 class LiquidSurface {
   public:
     LiquidSurface();
@@ -34,13 +35,15 @@ class LiquidSurface {
     void upload(std::span<const Vec3f> positions, float spacing, const view::LiquidDetail& detail = {},
                 LiquidKind kind = LiquidKind::saliva);
     std::uint64_t revision = 0;  ///< of the last upload
-    [[nodiscard]] bool empty() const { return particles_.empty(); }
+    [[nodiscard]] bool empty() const { return particle_count_ == 0; }
 
     /// Particle spacing [m], and bounding box of all particles; empty without any.
-    [[nodiscard]] float spacing() const { return radius_ / sphere_size; }
+    [[nodiscard]] float spacing() const { return radius_; }
     [[nodiscard]] const Eigen::AlignedBox3f& box() const { return box_; }
-    /// Draws the particles as points, positions in attribute 0, with the program in use.
-    void draw_particles() const;
+    /// Draws the particles as points with the program in use, which includes the shader `ellipsoid`.
+    void draw_particles(ShaderProgram& program) const;
+    /// Whether drops of it are dark enough to shade tissue.
+    [[nodiscard]] bool casts_shadows() const { return !empty() && optics_.casts_shadows; }
 
     /// Draws over pixels of the bound framebuffer that are not in front of the liquid; call after all
     /// opaque passes. Tissue and blade cast shadows on it; ambient light enters through the mouth. GL state:
@@ -64,22 +67,23 @@ class LiquidSurface {
     };
     void draw_spheres(Spheres& programs, const Camera& camera, const Eigen::Matrix4f& projection,
                       const Eigen::Vector4f& clip_plane);
-    void smooth(float sphere_pixels_at_one_metre);
+    void smooth(float sphere_pixels_at_one_metre, bool fine);
     void draw_quad() const;
+    [[nodiscard]] float largest() const;  ///< semi-axis [m] of an ellipsoid
 
     Spheres spheres_, thickness_;
     ShaderProgram smooth_;
     ShaderVariants surface_;
     VertexArray array_, filament_array_, no_attributes_;
-    Buffer positions_, shares_, filaments_;
-    view::NeighbourDensity density_;
+    Buffer ellipsoids_, filaments_;
+    view::LiquidEllipsoids fitted_;
     FoamRenderer foam_;
-    std::vector<Vec3f> particles_, extent_;  // extent: points that bound everything drawn
+    std::size_t particle_count_ = 0;
+    std::vector<Vec3f> extent_;  // points that bound everything drawn
     GLsizei filament_count_ = 0;
     LiquidOptics optics_ = optics_of(LiquidKind::saliva);
-    // Sphere radius divided by particle spacing: neighbouring spheres overlap into one surface.
-    static constexpr float sphere_size = 1.0f;
-    float radius_ = 0.0f;  // [m], of the spheres
+    bool froths_ = true;
+    float radius_ = 0.0f;  // [m], of a particle in bulk liquid: its spacing
     Eigen::AlignedBox3f box_;
     std::optional<Layers> layers_;
 };

@@ -9,12 +9,19 @@
 #include "client/render/mucosa_pattern.hpp"
 #include "client/render/passes/liquid_optics.hpp"
 #include "client/render/shaders/shaders.hpp"
+#include "client/render/skin/hair_pattern.hpp"
+#include "client/render/skin/newborn_skin.hpp"
 #include "client/render/views/lip_retraction.hpp"
 
 namespace eti::render {
 namespace {
 
-constexpr int mucosa_unit = 2;
+constexpr int mucosa_unit = 2, hair_unit = 13;  // others lie between
+
+// A lens sees no hair, and a section is seen from too far away.
+bool shows_hair(const DrawContext& context) {
+    return context.quality.fine && !context.view.lens && !context.view.cut;
+}
 
 PatientMesh::CullView cull_view_of(const DrawContext& context) {
     return {context.view_projection, context.camera.eye, context.clip_plane,
@@ -48,6 +55,21 @@ void PatientPass::bind_mucosa() {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 }
 
+void PatientPass::bind_hair() {
+    glActiveTexture(GL_TEXTURE0 + hair_unit);
+    if (hair_) {
+        glBindTexture(GL_TEXTURE_2D, hair_->name());
+        return;
+    }
+    const HairPattern pattern = hair_pattern();
+    glBindTexture(GL_TEXTURE_2D, hair_.emplace().name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RG8, pattern.side, pattern.side, 0, GL_RG, GL_UNSIGNED_BYTE,
+                 pattern.texels.data());
+    glGenerateMipmap(GL_TEXTURE_2D);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
 ShaderProgram& PatientPass::program(const DrawContext& context, const ShadowPass& shadows, bool lamplit,
                                     bool filmed, bool finer) {
     ShaderProgram::Defines defines;
@@ -74,6 +96,9 @@ ShaderProgram& PatientPass::program(const DrawContext& context, const ShadowPass
     if (context.quality.fine) {
         defines.emplace_back("FINE");
     }
+    if (shows_hair(context)) {
+        defines.emplace_back("HAIR");
+    }
     if (filmed) {
         defines.emplace_back("FILM");
     }
@@ -85,6 +110,7 @@ ShaderProgram& PatientPass::program(const DrawContext& context, const ShadowPass
 }
 
 void PatientPass::draw(const DrawContext& context, SceneMeshes& meshes, const ShadowPass& shadows) {
+    circulation_ = meshes.circulation().colouring();
     if (context.view.cut) {
         glEnable(GL_CLIP_DISTANCE0);
     }
@@ -129,6 +155,15 @@ ShaderProgram& PatientPass::begin(const DrawContext& context, const PatientMesh&
             skin.set("mucosa", mucosa_unit);
             skin.set("mucosa_scale", Eigen::Vector2f(MucosaPattern::period, MucosaPattern::steepest));
         }
+        if (shows_hair(context)) {
+            bind_hair();
+            const NewbornSkin newborn(context.scene.rest_landmarks());
+            skin.set("hairs", hair_unit);
+            skin.set("hair_tile", Eigen::Vector2f(HairPattern::across_mm, HairPattern::along_mm));
+            skin.set("newborn_size", newborn.size());
+            skin.set("prematurity", newborn.prematurity());
+        }
+        skin.set("circulation", circulation_);
         skin.set("film_stain", optics_of(context.scene.liquid_kind()).stain);
     }
     if (finer) {

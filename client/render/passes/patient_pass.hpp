@@ -37,12 +37,16 @@ class PatientPass {
 
     /// Binds the pattern of mucosa, which is made when first needed.
     void bind_mucosa();
+    /// The same of hair.
+    void bind_hair();
 
     PatientOutlines outlines_;
     TessellationRenderer finer_;
     std::vector<std::vector<TessellatedInstance>> deferred_;  // by part
     ShaderVariants tissue_, lit_at_vertices_, flat_;
-    std::optional<Texture> mucosa_;  // MucosaPattern, once a quality with fine relief draws
+    std::optional<Texture> mucosa_,
+        hair_;  // MucosaPattern and HairPattern, once a quality with fine relief draws
+    Vec3f circulation_ = Vec3f::Zero();  // Circulation::colouring() of the scene being drawn
 };
 
 }  // namespace eti::render

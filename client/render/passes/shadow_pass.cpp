@@ -43,9 +43,11 @@ class Digest {
     std::uint64_t state_ = 0xcbf29ce484222325ull;
 };
 
-std::uint64_t state_of(const DrawContext& context, SceneMeshes& meshes, bool lips_retracted) {
+std::uint64_t state_of(const DrawContext& context, SceneMeshes& meshes, const LiquidSurface& liquid,
+                       bool lips_retracted) {
     Digest digest;
     digest.add(meshes.patient().frames_revision());
+    digest.add(liquid.casts_shadows() ? liquid.revision : 0);
     if (const auto& pose = context.scene.laryngoscope_pose()) {
         for (int axis = 0; axis < 3; ++axis) {
             digest.add(pose->translation[axis]);
@@ -76,14 +78,15 @@ ShadowPass::ShadowPass(const Quality& quality)
       lens_taps_(quality.lens_taps),
       room_(quality.shadow_size, OutsideShadowMap::lit),
       lamp_(quality.shadow_size, OutsideShadowMap::dark),
-      depth_("depth", shaders::mesh_vertex, shaders::flat_fragment) {}
+      depth_("depth", shaders::mesh_vertex, shaders::flat_fragment),
+      drops_("drops' shadows", shaders::drop_shadow_vertex, shaders::drop_shadow_fragment) {}
 
-void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes) {
+void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes, const LiquidSurface& liquid) {
     const Light& room = context.lighting.lights[0];
     if (context.view.has(Pass::room_shadow)) {
         const Eigen::Matrix4f clip = directional_light_matrix(room, context.camera.target, room_radius);
         fill(room_, clip, {nullptr, ShadowLod::coarse, coarse_room_bias, 0.0f, room_depth, clip, nullptr},
-             context, meshes);
+             context, meshes, liquid);
     }
     if (lamp_shadow_of(context)) {
         const Light& lamp = context.lighting.lights[1];
@@ -96,14 +99,14 @@ void ShadowPass::draw(const DrawContext& context, SceneMeshes& meshes) {
         fill(lamp_, into,
              {"FROM_LAMP", ShadowLod::fine, coarse_lamp_bias, fine_lamp_bias, lamp_reach - lamp_glass,
               half * into, &lamp},
-             context, meshes);
+             context, meshes, liquid);
     }
 }
 
 void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, const Caster& caster,
-                      const DrawContext& context, SceneMeshes& meshes) {
+                      const DrawContext& context, SceneMeshes& meshes, const LiquidSurface& liquid) {
     const bool lips_retracted = context.view.lips_retracted;
-    const std::uint64_t state = state_of(context, meshes, lips_retracted);
+    const std::uint64_t state = state_of(context, meshes, liquid, lips_retracted);
     if (!map.stale(world_to_light, state)) {
         return;
     }
@@ -154,6 +157,18 @@ void ShadowPass::fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, con
         meshes.blade()->draw();
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
+    if (liquid.casts_shadows()) {
+        ShaderProgram& drops = drops_.variant(caster.define != nullptr ? ShaderProgram::Defines{caster.define}
+                                                                       : ShaderProgram::Defines{});
+        drops.use();
+        drops.set("view_projection", world_to_light);
+        drops.set("to_lamp", world_to_light);
+        drops.set("lamp_depths", Eigen::Vector2f(lamp_glass, lamp_reach));
+        drops.set("texels", static_cast<float>(context.quality.shadow_size));
+        glEnable(GL_PROGRAM_POINT_SIZE);
+        liquid.draw_particles(drops);
+        glDisable(GL_PROGRAM_POINT_SIZE);
+    }
     glDisable(GL_CLIP_DISTANCE0);
 }
 

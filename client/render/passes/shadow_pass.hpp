@@ -6,18 +6,19 @@
 #include "client/render/gl/shader_variants.hpp"
 #include "client/render/gl/shadow_map.hpp"
 #include "client/render/mesh/scene_meshes.hpp"
+#include "client/render/passes/liquid_surface.hpp"
 
 namespace eti::render {
 
-/// Shadow maps of the room light and the laryngoscope's lamp. A map that is still valid is reused: the
-/// views and eyes of one state share the lamp's.
+/// Shadow maps of the room light and the laryngoscope's lamp: tissue, blade and dark drops cast shadows. A
+/// map that is still valid is reused: the views and eyes of one state share the lamp's.
 class ShadowPass {
   public:
     explicit ShadowPass(const Quality& quality);
 
     /// Draws the maps that the view's row requires. Runs before begin_passes(): assumes clip distances
     /// off, and leaves another framebuffer and viewport, and culling off.
-    void draw(const DrawContext& context, SceneMeshes& meshes);
+    void draw(const DrawContext& context, SceneMeshes& meshes, const LiquidSurface& liquid);
 
     /// Defines for programs that sample these maps in this view. `lamplit`: whether the lamp reaches what
     /// they draw.
@@ -37,11 +38,11 @@ class ShadowPass {
         const Light* lamp;    ///< lamp whose reach limits the casters, or nullptr
     };
     void fill(ShadowMap& map, const Eigen::Matrix4f& world_to_light, const Caster& caster,
-              const DrawContext& context, SceneMeshes& meshes);
+              const DrawContext& context, SceneMeshes& meshes, const LiquidSurface& liquid);
 
     int taps_, lens_taps_;
     ShadowMap room_, lamp_;
-    ShaderVariants depth_;
+    ShaderVariants depth_, drops_;
 };
 
 }  // namespace eti::render

@@ -36,9 +36,13 @@ class ToolsPass {
         int width_ = 0, height_ = 0;
     };
     void set_refraction(const DrawContext& context, ShaderProgram& program);
+    /// Sets what the tube's print and Murphy's eye need.
+    void set_print(ShaderProgram& program, const Tube& tube);
+    void draw_bulb(const DrawContext& context, const SceneMeshes& meshes, const Eigen::Matrix4f& pose);
 
     Backdrop backdrop_;
-    ShaderVariants metal_, plastic_, flat_;
+    ShaderVariants metal_, plastic_, flat_, glow_;
+    Texture numerals_;
 };
 
 }  // namespace eti::render

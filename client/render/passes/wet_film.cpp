@@ -69,7 +69,7 @@ void WetFilm::mark(const LiquidSurface& liquid) {
     mark_.use();
     mark_.set("low", low_);
     mark_.set("cell", cell_);
-    liquid.draw_particles();
+    liquid.draw_particles(mark_);
 }
 
 void WetFilm::update(std::uint64_t time_ns, PatientMesh& patient, const LiquidSurface& liquid) {

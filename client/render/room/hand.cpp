@@ -66,9 +66,23 @@ Hand around_the_tube() {
     return hand;
 }
 
+// The pinch of a tube, opened to a newborn's larynx of some 13 mm. The pads rest on the skin, which falls off
+// beside the larynx; z is caudal, where the other fingers lie over the chest.
+Hand beside_the_larynx() {
+    Hand hand = around_the_tube();
+    hand.finger[0].joint[2] += Vec3f(-4, -2, 0);
+    hand.finger[0].joint[3] = Vec3f(-12.5f, -6.5f, 0);
+    hand.finger[1].joint[2] += Vec3f(3, -2, 0);
+    hand.finger[1].joint[3] = Vec3f(12.0f, -7.0f, -1);
+    hand.finger[2].joint[2] += Vec3f(2, -2, -1);
+    hand.finger[2].joint[3] = Vec3f(11.5f, -5.0f, 14);
+    return hand;
+}
+
 const Hand& hand_of(Grip grip) {
-    static const Hand handle = around_the_handle(), tube = around_the_tube();
-    return grip == Grip::handle ? handle : tube;
+    static const std::array<Hand, grip_count> hands{around_the_handle(), around_the_tube(),
+                                                    beside_the_larynx()};
+    return hands[static_cast<std::size_t>(grip)];
 }
 
 constexpr float glove_end = 46.0f;  // [mm] along the forearm from the wrist
@@ -187,6 +201,15 @@ std::optional<RigidTransform> tube_grip(std::span<const Vec3f> nodes, float from
         return RigidTransform::from(Quatf(axes), nodes[k - 1] - std::min(left, length) * z);
     }
     return std::nullopt;
+}
+
+RigidTransform larynx_grip(const Vec3f& skin) {
+    const Vec3f y = Vec3f(0.72f, -0.60f, -0.35f).normalized(), caudal(0.0f, 0.0f, -1.0f);
+    const Vec3f z = (caudal - caudal.dot(y) * y).normalized();
+    Mat3f axes;
+    axes << y.cross(z), y, z;
+    constexpr float pad = 7e-3f;  // [m], from a fingertip's joint to its skin, less what it dents
+    return RigidTransform::from(Quatf(axes), skin + pad * y);
 }
 
 }  // namespace eti::render

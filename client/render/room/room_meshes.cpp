@@ -23,12 +23,24 @@ GpuMesh mesh_of(const Solid& solid) {
 }
 
 // Meshing takes some tenths of a second; the shapes are the same in every scene.
+template <Grip grip>
+const std::array<Solid, 2>& solids_of() {
+    static const std::array<Solid, 2> solids{gloved_hand(grip, fine_triangles),
+                                             gloved_hand(grip, coarse_triangles)};
+    return solids;
+}
+
 const std::array<Solid, 2>& hand_solids(Grip grip) {
-    const auto make = [](Grip of) {
-        return std::array{gloved_hand(of, fine_triangles), gloved_hand(of, coarse_triangles)};
-    };
-    static const std::array<Solid, 2> handle = make(Grip::handle), tube = make(Grip::tube);
-    return grip == Grip::handle ? handle : tube;
+    constexpr std::array<const std::array<Solid, 2>& (*)(), grip_count> made_once{
+        solids_of<Grip::handle>, solids_of<Grip::tube>, solids_of<Grip::larynx>};
+    return made_once[static_cast<std::size_t>(grip)]();
+}
+
+bool presses_larynx(const RuntimeParameters& live) {
+    constexpr float touch = 0.05f;  // [N]
+    const Vec3f force(live.laryngeal_pressure_back, live.laryngeal_pressure_up,
+                      live.laryngeal_pressure_right);
+    return force.norm() > touch;  // false for NaN, of a server that publishes none
 }
 
 bool parked(const RigidTransform& pose, Tool tool) {
@@ -43,6 +55,7 @@ float lowest(std::span<const Vec3f> points) {
 
 void RoomMeshes::build(const view::SceneView& scene, const Solid& blade) {
     outline_.build(scene);
+    find_larynx(scene);
     shaped_for_.clear();
     bedding_.reset();
     bedding_mesh_.reset();
@@ -119,6 +132,28 @@ void RoomMeshes::hold(const view::SceneView& scene) {
         const auto grip = tube_grip(scene.tube_nodes(), tube->tube().grip_from_tip);
         if (grip && !parked(*grip, Tool::tube)) {
             add(Grip::tube, *grip);
+        }
+    }
+    if (over_larynx_ && presses_larynx(scene.live())) {
+        add(Grip::larynx,
+            larynx_grip(skin_point(over_larynx_->rest, over_larynx_->skin, scene.frame_maps())));
+    }
+}
+
+// The foremost skin within a fingertip's reach in front of the larynx.
+void RoomMeshes::find_larynx(const view::SceneView& scene) {
+    constexpr float beside = 5e-3f;  // [m]
+    const Vec3f larynx = at(scene.rest_landmarks(), Landmark::glottis_anterior);
+    over_larynx_.reset();
+    for (const auto& [name, surface] : scene.surfaces()) {
+        const bus::RestSurface& model = surface.model();
+        for (std::size_t v = 0; v < model.mesh.vertices.size(); ++v) {
+            const Vec3f& p = model.mesh.vertices[v];
+            const bool before =
+                std::hypot(p.x() - larynx.x(), p.z() - larynx.z()) < beside && p.y() < larynx.y();
+            if (before && (!over_larynx_ || p.y() < over_larynx_->rest.y())) {
+                over_larynx_ = SkinPoint{p, model.skin[v]};
+            }
         }
     }
 }

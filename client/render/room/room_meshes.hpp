@@ -49,7 +49,7 @@ class RoomMeshes {
         const GpuMesh* coarse = nullptr;  ///< with fewer triangles
         RigidTransform pose;
     };
-    /// The hands on tools that are in use.
+    /// The hands on tools that are in use, and an assistant's while the larynx is pressed from outside.
     [[nodiscard]] std::span<const Hand> hands() const { return hands_; }
 
     /// Shape of the bedding, for tests.
@@ -58,6 +58,7 @@ class RoomMeshes {
   private:
     void rest(const view::SceneView& scene);
     void hold(const view::SceneView& scene);
+    void find_larynx(const view::SceneView& scene);
 
     BodyOutline outline_;
     std::vector<Vec3f> shaped_for_;  ///< outline's points when the bedding was last shaped
@@ -69,8 +70,14 @@ class RoomMeshes {
     struct HandMeshes {
         GpuMesh fine, coarse;
     };
-    std::array<std::optional<HandMeshes>, 2> hand_meshes_;  ///< by Grip
+    std::array<std::optional<HandMeshes>, grip_count> hand_meshes_;  ///< by Grip
     std::vector<Hand> hands_;
+    /// Skin in front of the larynx, at rest [m]; nullopt on a patient without.
+    struct SkinPoint {
+        Vec3f rest;
+        SkinWeights skin;
+    };
+    std::optional<SkinPoint> over_larynx_;
     RigidTransform pose_;
     PulseTraces traces_;
 };

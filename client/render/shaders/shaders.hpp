@@ -17,6 +17,8 @@ extern const std::string_view quad_vertex;
 extern const std::string_view through_mouth;
 
 // tissue
+extern const std::string_view blood;
+extern const std::string_view chest_rise;
 extern const std::string_view cut_fragment;
 extern const std::string_view cut_geometry;
 extern const std::string_view cut_plane_vertex;
@@ -31,6 +33,8 @@ extern const std::string_view tissue_lit_fragment;
 extern const std::string_view tissue_lit_vertex;
 
 // liquid
+extern const std::string_view drop_shadow_fragment;
+extern const std::string_view drop_shadow_vertex;
 extern const std::string_view foam_fragment;
 extern const std::string_view foam_vertex;
 extern const std::string_view liquid_surface_fragment;
@@ -39,6 +43,7 @@ extern const std::string_view sphere_fragment;
 extern const std::string_view sphere_vertex;
 
 // tools
+extern const std::string_view glow_fragment;
 extern const std::string_view metal_fragment;
 extern const std::string_view tube_fragment;
 

@@ -29,7 +29,7 @@ class Demo(support.Case):
                                str(support.DOMAIN)], capture_output=True, text=True, timeout=1100)
         print(done.stdout, done.stderr, sep="\n")
         self.assertEqual(done.returncode, 0)
-        folder = Path(next(line.split()[-1] for line in done.stdout.splitlines() if line.startswith("Session file")))
+        folder = Path(next(line.split(maxsplit=2)[-1] for line in done.stdout.splitlines() if line.startswith("Session file")))
         RESULT.write_text(json.dumps({"folder": str(folder.parent), "stdout": done.stdout, "stderr": done.stderr}))
         self.assertIn("The trachea was intubated:", done.stdout)
         for kind in ("Pictures", "Video", "Forces were complete", "The server fell behind"):

@@ -35,7 +35,7 @@ class Units(support.Case):
         text = (UNITS / f"eti-{service}@.service").read_text()
         self.assertEqual(text.count("/usr/bin/"), 1)
         file = self.folder / f"eti-{service}@.service"
-        file.write_text(text.replace("/usr/bin", str(BIN)))
+        file.write_text(text.replace("/usr/bin", str(BIN).replace(" ", r"\x20")))
         return file
 
     def test_systemd_accepts_every_line(self):

@@ -33,7 +33,7 @@ layout(location = 6) in float film;
 #endif
 #endif
 #ifdef TUBE
-out vec2 course_at;
+out vec3 course_at;     // [m] from the tip; cosine and sine of the turn, which has no seam
 #else
 out vec4 colour_at;
 #endif
@@ -102,7 +102,7 @@ void main() {
 #endif
     world = p.xyz;
 #ifdef TUBE
-    course_at = course;
+    course_at = vec3(course.x, cos(6.28318531 * course.y), sin(6.28318531 * course.y));
 #else
     colour_at = vec4(linear(colour.rgb), colour.a);
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-// Linear blend skinning by transform feedback, followed by displacement by the blade; include after
-// blade_clearance_source(). Defines: GROUPS (groups of four frames per vertex), FIRST_WEIGHT
+// Linear blend skinning by transform feedback, followed by displacement by breath and blade; include after
+// blade_clearance_source() and `chest_rise`. Defines: GROUPS (groups of four frames per vertex), FIRST_WEIGHT
 // (location of the first weight attribute).
 layout(location = 0) in vec3 rest_position;
 layout(location = 1) in vec3 rest_normal;
@@ -28,6 +28,8 @@ void main() {
     vec3 n = vec3(dot(cross(row1.xyz, row2.xyz), rest_normal), dot(cross(row2.xyz, row0.xyz), rest_normal),
                   dot(cross(row0.xyz, row1.xyz), rest_normal));
     n *= inversesqrt(max(dot(n, n), 1e-20));
+    // The trunk keeps the orientation of the rest posture.
+    carried.y -= chest_rise(rest_position);
     skinned_position = carried;
     skinned_normal = n;
     if (blade_held != 0) {

@@ -2,12 +2,13 @@
 // Copyright the NeoETI authors
 // Tissue with per-pixel lighting. Defines: FINER (as in mesh_vertex), FINE (relief of the wet coat
 // and small vessels, fixed to the rest shape), FILM (wetted tissue is darker, or stained, under a
-// smoother coat), LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS.
+// smoother coat), HAIR (requires FINE), LIGHTS, ROOM_SHADOW, LAMP_SHADOW, TAPS.
 #include "scene/mesh_inputs.glsl"
 #include "scene/lighting.glsl"
 #include "tissue/tissue_light.glsl"
+#include "tissue/blood.glsl"
 in vec4 colour_at;
-in vec4 relief_at;   // sky visibility; share of mucosa
+in vec4 relief_at;   // VertexRelief
 #ifdef FINER
 flat in vec3 face_normal;
 #endif
@@ -32,6 +33,9 @@ void detail_at(vec3 p, vec3 n, out float blood, out vec3 slope, out float mottli
     slope = 2.0 * mucosa_scale.y *
             vec3(along_y.y + along_z.x, along_x.x + along_z.y, along_x.y + along_y.x);
 }
+#endif
+#ifdef HAIR
+#include "tissue/hair.glsl"
 #endif
 void main() {
     vec3 v = normalize(eye - world);
@@ -62,6 +66,11 @@ void main() {
     s.n = normalize(n - 0.25 * slope);
     s.albedo *= mix(vec3(1.0), vec3(0.74, 0.36, 0.38), 0.6 * relief_at.y * blood);
     s.albedo *= 1.0 + mottling * mix(vec3(0.12), vec3(0.10, 0.26, 0.24), relief_at.y);
+#endif
+    s.albedo = perfused(s.albedo, acral_of(relief_at.w));
+#ifdef HAIR
+    show_veins(rest_at, n, relief_at.y, s.albedo);
+    grow_hair(rest_at, hair_of(relief_at.w), s.albedo, s.wet);
 #endif
     vec3 sum = without_lights(s, v);
     for (int i = 0; i < LIGHTS; ++i) {

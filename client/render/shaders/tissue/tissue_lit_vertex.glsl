@@ -4,6 +4,7 @@
 // Defines: those of mesh_vertex, LIGHTS.
 #include "scene/lights.glsl"
 #include "tissue/tissue_light.glsl"
+#include "tissue/blood.glsl"
 #include "scene/mesh_vertex.glsl"
 uniform vec3 eye;
 #ifdef FILM
@@ -18,7 +19,7 @@ out vec3 from_lamp;
 #endif
 void light_vertex() {
     vec3 v = normalize(eye - world), n = normalize(normal_at);
-    Surface s = Surface(colour_at.rgb, n, n, colour_at.a, 0.0, openness(relief_at.x));
+    Surface s = Surface(perfused(colour_at.rgb, acral_of(relief_at.w)), n, n, colour_at.a, 0.0, openness(relief_at.x));
 #ifdef FILM
     wet_by(film, film_stain, s);
 #endif

@@ -37,7 +37,7 @@ VisibleFields Newborn::visible_fields(const Vec3f& point) const {
 }
 
 float Newborn::visible_outline(const Vec3f& p, const Vec3f& in_jaw) const {
-    return body_ ? visible_skin(*body_, p, in_jaw, cranium_, rest_jaw_deg_)
+    return body_ ? visible_skin(*body_, p, in_jaw, cranium_, cranium_ / shape_.head_scale, rest_jaw_deg_)
                  : visible_skin(p, in_jaw, cranium_);
 }
 

@@ -129,8 +129,42 @@ float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size) 
     return smooth_intersection(smooth_union(head, trunk(p, q), 12), trunk_end + 5.0f - p.z(), 6.0f);
 }
 
+namespace {
+
+/// Rounded lids closed over the eyes of a body, whose data have pits at the corners.
+float closed_lids(const Vec3f& q) {
+    return smooth_union(ellipsoid(q, {19.0f, 33.0f, 25.2f}, {11.5f, 9.6f, 7.2f}),
+                        ellipsoid(q, {11.5f, 40.4f, 25.2f}, {3.6f, 2.6f, 3.0f}), 2.0f);
+}
+
+/// Depth of the line between them, and of the fold above.
+float lid_folds(const Vec3f& q) {
+    const float side = (q.x() - 19.2f) / 9.3f;
+    const float along = 1.0f - smoothstep(0.75f, 1.1f, std::fabs(side));
+    const float line = 24.3f + 1.3f * side * side, fold = 30.3f - 2.2f * side * side;
+    return along * smoothstep(26.0f, 32.0f, q.y()) *
+           (0.8f * crease(q.z() - line, 0.7f) + 0.5f * crease(q.z() - fold, 1.1f));
+}
+
+/// Place in a standard face of a place in a standard cranium. Below a cranium that is usually large for its
+/// face, as before 28 weeks, the middle of the face comes forward too, so that the brow does not overhang the
+/// eyes. The face does not follow a cranium that grows beyond its usual size.
+Vec3f to_standard_face(Vec3f q, float usual_size) {
+    if (usual_size <= 1.0f) {
+        return q;
+    }
+    const Vec3f p = to_scaled_cranium(q, usual_size);
+    const float wide = 1.0f + (usual_size - 1.0f) * smoothstep(2.0f, 50.0f, p.z());
+    const float front = smoothstep(10.0f, 34.0f, p.y()) * (1.0f - smoothstep(24.0f, 36.0f, std::fabs(p.x())));
+    const float y = cranium_axis_y + (p.y() - cranium_axis_y) / wide;
+    q.y() += front * std::min(y - q.y(), 0.0f);
+    return q;
+}
+
+}  // namespace
+
 float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_jaw, float cranium_size,
-                   float rest_jaw_deg) {
+                   float usual_cranium_size, float rest_jaw_deg) {
     const float head = smoothstep(-62.0f, -44.0f, point.z());
     const Vec3f closed = point + head * jaw_share(point, rest_jaw_deg) * (in_jaw - point);
     // The physical outline contains the shell, which the skin must cover beneath the chin and at the nose;
@@ -143,8 +177,10 @@ float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_ja
         cover - crease_fill + 8.0f * smoothstep(-9.0f, -2.0f, point.z()) * smoothstep(0.5f, 4.0f, to_nose);
     // A wide fillet between chin and neck, whose crease opens as the head is raised.
     const float fillet = 4.0f + 10.0f * (1.0f - smoothstep(-22.0f, -12.0f, point.z()));
-    const float skin = smooth_union(body.distance(to_standard_cranium(closed, cranium_size)),
-                                    skin_field(point, in_jaw, cranium_size) + within, fillet);
+    const Vec3f usual = to_standard_face(to_standard_cranium(closed, cranium_size), usual_cranium_size);
+    const Vec3f q = mirrored(usual);
+    const float face = smooth_union(body.distance(usual), closed_lids(q), 2.5f) + lid_folds(q);
+    const float skin = smooth_union(face, skin_field(point, in_jaw, cranium_size) + within, fillet);
     constexpr float over_bone = 1.2f, farthest = 5.0f;
     if (skin < -over_bone || skin > farthest) {
         return skin;

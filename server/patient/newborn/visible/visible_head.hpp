@@ -13,9 +13,9 @@ class BodyShape;
 /// Outline of head, neck and trunk. `in_jaw`: the point in the coordinates of the closed jaw.
 [[nodiscard]] float visible_skin(const Vec3f& point, const Vec3f& in_jaw, float cranium_size);
 
-/// The same of a whole body.
+/// The same of a whole body. `usual_cranium_size`: with a head of the usual size for weight and age.
 [[nodiscard]] float visible_skin(const BodyShape& body, const Vec3f& point, const Vec3f& in_jaw,
-                                 float cranium_size, float rest_jaw_deg);
+                                 float cranium_size, float usual_cranium_size, float rest_jaw_deg);
 
 /// The cloth around the trunk.
 [[nodiscard]] float visible_cloth(const Vec3f& p);

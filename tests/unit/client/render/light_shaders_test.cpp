@@ -8,38 +8,15 @@
 #include <vector>
 
 #include "client/render/gl/headless_context.hpp"
-#include "client/render/gl/render_target.hpp"
 #include "client/render/gl/shader_program.hpp"
 #include "client/render/gl/shadow_map.hpp"
 #include "client/render/shaders/shaders.hpp"
+#include "shader_values.hpp"
 
 namespace eti {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-/// Evaluates a vertex shader that writes `result` on points.
-std::vector<Eigen::Vector4f> computed(render::ShaderProgram& program, const std::vector<Vec3f>& points) {
-    const render::RenderTarget target(8, 8, 1);
-    target.bind_scene();
-    const render::VertexArray array;
-    const render::Buffer in, out;
-    glBindVertexArray(array.name());
-    glBindBuffer(GL_ARRAY_BUFFER, in.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(points.size() * sizeof(Vec3f)), points.data(),
-                 GL_STATIC_DRAW);
-    glEnableVertexAttribArray(0);
-    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
-    glBindBuffer(GL_ARRAY_BUFFER, out.name());
-    std::vector<Eigen::Vector4f> result(points.size());
-    const auto size = static_cast<GLsizeiptr>(result.size() * sizeof(Eigen::Vector4f));
-    glBufferData(GL_ARRAY_BUFFER, size, nullptr, GL_DYNAMIC_READ);
-    program.use();
-    render::capture(out, points.size());
-    glGetBufferSubData(GL_ARRAY_BUFFER, 0, size, result.data());
-    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-    return result;
-}
 
 // Reference: on a paraboloid, a ray at an angle from the axis lies at the tangent of half that angle.
 TEST(LampMap, IsParaboloidProjection) {
@@ -69,7 +46,7 @@ TEST(LampMap, IsParaboloidProjection) {
             points.push_back(lamp.position + static_cast<float>(distances.back()) * way);
         }
     }
-    const std::vector<Eigen::Vector4f> places = computed(program, points);
+    const std::vector<Eigen::Vector4f> places = test::computed(program, points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         // Single precision of positions 0.05 m away, over distances of 2 mm and more.
         EXPECT_NEAR(places[i].head<2>().norm(), std::tan(0.5 * angles[i]), 1e-5) << i;
@@ -99,7 +76,7 @@ TEST(MouthOpeningLight, MatchesViewFactorOfDisc) {
     for (const double depth : depths) {
         points.push_back(Vec3f(0.01f, 0.02f, 0.03f) + static_cast<float>(depth) * Vec3f(0.0f, 0.6f, -0.8f));
     }
-    const std::vector<Eigen::Vector4f> open = computed(program, points);
+    const std::vector<Eigen::Vector4f> open = test::computed(program, points);
     for (std::size_t i = 0; i < depths.size(); ++i) {
         double share = depths[i] <= 0.0 ? 1.0 : 0.0;
         constexpr int rings = 4000;
@@ -110,7 +87,7 @@ TEST(MouthOpeningLight, MatchesViewFactorOfDisc) {
         EXPECT_NEAR(open[i].x(), share, 1e-4) << depths[i];
     }
     program.set("occlusion", 0.0f);  // cut open
-    EXPECT_EQ(computed(program, points).back().x(), 1.0f);
+    EXPECT_EQ(test::computed(program, points).back().x(), 1.0f);
 }
 
 }  // namespace

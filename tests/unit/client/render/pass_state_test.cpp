@@ -108,7 +108,7 @@ TEST_F(PassState, IsRestoredByEveryPass) {
                     lip_retraction(from_.eye.position(scene_.landmarks()), scene_.landmarks()),
                     area,
                     shading};
-                shadows.draw(context, meshes_);
+                shadows.draw(context, meshes_, liquid_);
                 target.bind_scene();
                 begin_passes(context);
                 const GlState expected = gl_state();

@@ -115,13 +115,14 @@ TEST(SurfaceColours, SkinIsPalerAndDrierThanThroat) {
     view::SceneView scene;
     synthetic::fill(scene, source);
     const bus::RestSurface& body = scene.surfaces().at("body").model();
-    const auto colours = render::surface_appearance(body, scene.rest_landmarks()).colours;
+    const auto [colours, relief] = render::surface_appearance(body, scene.rest_landmarks());
     ASSERT_EQ(colours.size(), body.mesh.vertices.size());
+    constexpr int hairless = 127;
     double skin = 0, lining = 0, skin_wet = 0, lining_wet = 0;
     int skins = 0, linings = 0;
     for (std::size_t v = 0; v < colours.size(); ++v) {
         const Vec3f& p = body.mesh.vertices[v];
-        if (p.z() > 0.06f) {
+        if (p.z() > 0.03f && relief[v][3] == hairless) {
             skin += brightness(colours[v]);
             skin_wet += colours[v][3];
             ++skins;

@@ -9,7 +9,6 @@
 #include <set>
 #include <vector>
 
-#include "client/view/liquid/neighbour_density.hpp"
 #include "common/math/random.hpp"
 
 namespace eti {
@@ -52,20 +51,6 @@ TEST(SpatialHash, FindsAllNeighbours) {
         EXPECT_EQ(near, expected);
         EXPECT_LT(visits, points.size()) << "all of them are no search";
     }
-}
-
-// A cube's lattice: six neighbours at one spacing inside, three at a corner; a separate particle has none.
-TEST(NeighbourDensity, DistinguishesDropsFromBulkLiquid) {
-    std::vector<Vec3f> points = cube_block(3);
-    points.emplace_back(4.6f * tracks_spacing, 0.0f, 0.0f);
-    view::NeighbourDensity liquid;
-    liquid.count(points, tracks_spacing);
-    // Those on a face diagonal, at the square root of two, count 2 (1.5 - 1.414) each.
-    EXPECT_NEAR(liquid.densities()[13], 6.0f + 12.0f * 0.1716f, 1e-3f);
-    EXPECT_NEAR(liquid.densities()[0], 3.0f + 3.0f * 0.1716f, 1e-3f);
-    EXPECT_EQ(liquid.densities().back(), 0.0f);
-    liquid.count({}, tracks_spacing);
-    EXPECT_TRUE(liquid.densities().empty());
 }
 
 // Reference: a body that rotates and falls, with known velocities; its particles arrive in a different order
