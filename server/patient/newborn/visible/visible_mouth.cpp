@@ -28,7 +28,8 @@ constexpr float uvula_centre = 1.05f, uvula_radius = 0.95f;
 constexpr float room_behind = 1.5f;  // between velum and posterior wall
 
 float uvula(const Vec3f& p, float tongue) {
-    const float off = std::max({-12.4f - p.z(), p.z() + 7.0f, 0.0f});
+    // Behind the tongue, not before its tip.
+    const float off = std::max({-12.4f - p.z(), p.z() + 7.0f, p.y() - 12.5f, 0.0f});
     return std::hypot(p.x(), tongue - (tongue_gap + uvula_centre), off) -
            (uvula_radius + 0.2f * smoothstep(-8.0f, -12.0f, p.z()));
 }
