@@ -405,6 +405,10 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
                  in_opening[static_cast<std::size_t>(y * raster.width() + x)] = 1;
              }
          });
+    const auto opens = [&](int x, int y) {
+        return x >= 0 && y >= 0 && x < raster.width() && y < raster.height() &&
+               in_opening[static_cast<std::size_t>(y * raster.width() + x)] != 0;
+    };
     for (int y = 0; y < raster.height(); ++y) {
         for (int x = 0; x < raster.width(); ++x) {
             const Hit& hit = raster.at(x, y);
@@ -413,8 +417,11 @@ Luminances luminances(const render::Image& picture, const Raster& raster, const 
                 continue;
             }
             const double light = luminance(picture.pixel(x, y));
-            if (in_opening[static_cast<std::size_t>(y * raster.width() + x)] != 0) {
-                lumen.add(light);
+            if (opens(x, y)) {
+                // Antialiasing mixes pixels at the border with the cords.
+                if (opens(x - 1, y) && opens(x + 1, y) && opens(x, y - 1) && opens(x, y + 1)) {
+                    lumen.add(light);
+                }
             } else if (hit.object >= 0 && hit.object < MeshSet::blade_id) {
                 const SurfaceMesh& shape = shapes.organs[static_cast<std::size_t>(hit.object)];
                 const std::string_view tissue = name_of(shape.triangle_tissue[hit.triangle]);

@@ -93,8 +93,9 @@ struct Contours {
 [[nodiscard]] double opening_in_picture(const Raster& raster, const render::Camera& camera,
                                         std::span<const Vec3f> contour, float tolerance);
 
-/// Mean luminance (Rec. 709 of linear light, 0 to 1) of the visible cords, the lumen below them, and the
-/// tongue, `within` that many half heights of the picture's middle; NaN for fewer than 20 pixels.
+/// Mean luminance (Rec. 709 of linear light, 0 to 1) of the visible cords, the lumen below them less the
+/// pixels at its border, and the tongue, `within` that many half heights of the picture's middle; NaN for
+/// fewer than 20 pixels.
 struct Luminances {
     double cords = 0.0, lumen = 0.0, tongue = 0.0;
 };
