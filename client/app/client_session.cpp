@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "client/app/session_sound.hpp"
-#include "common/bus/peers.hpp"
+#include "common/bus/discovery/peers.hpp"
 
 namespace eti::client {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/bus/codec/convert.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti::hands {
 namespace {

@@ -11,13 +11,13 @@
 #include "client/render/passes/annotation_pass.hpp"
 #include "client/render/passes/caps_pass.hpp"
 #include "client/render/passes/glottis_pass.hpp"
-#include "client/render/passes/liquid_surface.hpp"
+#include "client/render/passes/liquid/liquid_surface.hpp"
+#include "client/render/passes/liquid/wet_film.hpp"
 #include "client/render/passes/patient_pass.hpp"
 #include "client/render/passes/room_pass.hpp"
 #include "client/render/passes/shadow_pass.hpp"
 #include "client/render/passes/tone_pass.hpp"
 #include "client/render/passes/tools_pass.hpp"
-#include "client/render/passes/wet_film.hpp"
 #include "client/view/scene_view.hpp"
 
 namespace eti::render {

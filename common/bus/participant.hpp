@@ -17,13 +17,13 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/discovery/interface_watcher.hpp"
+#include "common/bus/discovery/peers.hpp"
+#include "common/bus/discovery/rediscovery_counter.hpp"
 #include "common/bus/echo.hpp"
 #include "common/bus/fastdds/discovery_listener.hpp"
 #include "common/bus/guard/admission.hpp"
-#include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
-#include "common/bus/peers.hpp"
-#include "common/bus/rediscovery_counter.hpp"
 
 namespace eti::bus {
 

@@ -14,9 +14,9 @@
 #include <sstream>
 #include <utility>
 
-#include "common/bus/discovery_server.hpp"
+#include "common/bus/discovery/discovery_server.hpp"
+#include "common/bus/discovery/interface_watcher.hpp"
 #include "common/bus/fastdds/settings.hpp"
-#include "common/bus/interface_watcher.hpp"
 #include "common/bus/library_log.hpp"
 #include "common/process/files/descriptor.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti {
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "common/bus/command_line.hpp"
-#include "common/bus/discovery_server.hpp"
+#include "common/bus/discovery/discovery_server.hpp"
 #include "common/process/program.hpp"
 
 int main(int argc, char** argv) {

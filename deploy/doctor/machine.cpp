@@ -11,7 +11,7 @@
 #include "common/bus/library_log.hpp"
 #include "common/bus/security/identity_check.hpp"
 #include "common/bus/shared_memory.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti::doctor {
 

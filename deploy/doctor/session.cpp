@@ -11,8 +11,8 @@
 #include <optional>
 #include <thread>
 
+#include "common/bus/discovery/peers.hpp"
 #include "common/bus/echo.hpp"
-#include "common/bus/peers.hpp"
 #include "common/model/pace.hpp"
 #include "common/process/stop_signal.hpp"
 

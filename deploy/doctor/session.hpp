@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/peers.hpp"
+#include "common/bus/discovery/peers.hpp"
 #include "deploy/doctor/finding.hpp"
 
 namespace eti::doctor {

@@ -19,8 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/process/priority.hpp"
 #include "common/process/program.hpp"
+#include "common/process/threads/priority.hpp"
 #include "deploy/lab/medium.hpp"
 #include "deploy/lab/tap.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "common/process/priority.hpp"
 #include "common/process/terminal.hpp"
+#include "common/process/threads/priority.hpp"
 #include "devices/app/program.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 

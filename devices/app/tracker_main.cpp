@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/bus/codec/convert.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 #include "devices/app/program.hpp"
 #include "devices/app/sampling.hpp"
 #include "devices/haptics/haptic_loop.hpp"

@@ -8,7 +8,7 @@
 
 #include "common/bus/codec/convert.hpp"
 #include "common/model/pace.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti::devices {
 

@@ -11,7 +11,7 @@
 #include <csignal>
 #include <optional>
 
-#include "common/process/processor_share.hpp"
+#include "common/process/threads/processor_share.hpp"
 
 namespace eti::test {
 

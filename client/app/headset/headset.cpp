@@ -21,8 +21,8 @@
 #include "client/hmd/graphics.hpp"
 #include "client/hmd/session.hpp"
 #include "client/render/gl/headless_context.hpp"
-#include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti::client {
 namespace {

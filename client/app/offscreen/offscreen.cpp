@@ -15,8 +15,8 @@
 #include "client/app/offscreen/pictures.hpp"
 #include "client/render/gl/headless_context.hpp"
 #include "client/render/video.hpp"
-#include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti::client {
 namespace {

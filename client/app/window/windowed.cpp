@@ -16,8 +16,8 @@
 #include "client/app/window/window_panel.hpp"
 #include "client/render/gl/headless_context.hpp"
 #include "client/text/catalogue.hpp"
-#include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
+#include "common/process/threads/priority.hpp"
 
 namespace eti::client {
 namespace {

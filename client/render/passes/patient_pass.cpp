@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/render/mucosa_pattern.hpp"
-#include "client/render/passes/liquid_optics.hpp"
+#include "client/render/passes/liquid/liquid_optics.hpp"
 #include "client/render/shaders/shaders.hpp"
 #include "client/render/skin/hair_pattern.hpp"
 #include "client/render/skin/newborn_skin.hpp"

@@ -6,7 +6,7 @@
 #include "client/render/gl/shader_variants.hpp"
 #include "client/render/gl/shadow_map.hpp"
 #include "client/render/mesh/scene_meshes.hpp"
-#include "client/render/passes/liquid_surface.hpp"
+#include "client/render/passes/liquid/liquid_surface.hpp"
 
 namespace eti::render {
 

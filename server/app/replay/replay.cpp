@@ -18,8 +18,8 @@
 #include "server/app/output/bus_output.hpp"
 #include "server/app/output/haptic_publisher.hpp"
 #include "server/app/replay/recorded_states.hpp"
-#include "server/app/run/annotation_board.hpp"
 #include "server/app/run/bus_input.hpp"
+#include "server/app/run/commands/annotation_board.hpp"
 
 namespace eti::app {
 

@@ -18,7 +18,7 @@
 #include "server/app/output/session_info.hpp"
 #include "server/app/replay/step_comparison.hpp"
 #include "server/app/run/assessment_thread.hpp"
-#include "server/app/run/command_handler.hpp"
+#include "server/app/run/commands/command_handler.hpp"
 #include "server/app/run/simulation.hpp"
 
 namespace eti::app {

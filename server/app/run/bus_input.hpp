@@ -11,7 +11,7 @@
 #include "common/bus/bus.hpp"
 #include "common/math/transform.hpp"
 #include "common/process/log_throttle.hpp"
-#include "server/app/run/command_queue.hpp"
+#include "server/app/run/commands/command_queue.hpp"
 
 namespace eti::app {
 

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <optional>
 
-#include "common/process/processor_share.hpp"
+#include "common/process/threads/processor_share.hpp"
 
 namespace eti::app {
 

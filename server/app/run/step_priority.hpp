@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/model/pace.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 #include "server/parallel/worker_start.hpp"
 
 namespace eti::app {

@@ -9,7 +9,7 @@
 
 #include "common/math/units.hpp"
 #include "server/parallel/loops.hpp"
-#include "server/patient/segmentation/label_distance.hpp"
+#include "server/patient/segmentation/grids/label_distance.hpp"
 
 namespace eti::segmentation {
 

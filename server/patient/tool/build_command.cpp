@@ -8,10 +8,10 @@
 #include "server/patient/imaging/bytes.hpp"
 #include "server/patient/newborn/build/check_model.hpp"
 #include "server/patient/newborn/from_scenario.hpp"
+#include "server/patient/segmentation/grids/voxelise.hpp"
 #include "server/patient/segmentation/labelled_anatomy.hpp"
 #include "server/patient/segmentation/placement/points_file.hpp"
 #include "server/patient/segmentation/surfaces.hpp"
-#include "server/patient/segmentation/voxelise.hpp"
 #include "server/patient/tool/commands.hpp"
 
 namespace eti::tool {

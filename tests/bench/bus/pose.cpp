@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "common/bus/codec/convert.hpp"
-#include "common/process/priority.hpp"
 #include "common/process/stop_signal.hpp"
+#include "common/process/threads/priority.hpp"
 #include "tests/bench/bus/parts.hpp"
 #include "tests/bench/bus/percentiles.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/bus/codec/convert.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 #include "devices/haptics/haptic_loop.hpp"
 #include "devices/haptics/scene_link.hpp"
 #include "devices/sensor/hand_sensor.hpp"

@@ -10,7 +10,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/math/random.hpp"
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 #include "devices/haptics/timing.hpp"
 #include "tests/validation/haptics/closed_loop.hpp"
 

@@ -2,8 +2,8 @@
 // Copyright the NeoETI authors
 #include <tbb/global_control.h>
 
-#include "common/process/processors.hpp"
 #include "common/process/program.hpp"
+#include "common/process/threads/processors.hpp"
 #include "tests/bench/server/accuracy/accuracy.hpp"
 #include "tests/bench/server/accuracy/calibration.hpp"
 #include "tests/bench/server/matter/matter.hpp"

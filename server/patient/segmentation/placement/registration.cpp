@@ -13,7 +13,7 @@
 #include "common/math/units.hpp"
 #include "common/mesh/isosurface.hpp"
 #include "server/patient/newborn/newborn.hpp"
-#include "server/patient/segmentation/label_distance.hpp"
+#include "server/patient/segmentation/grids/label_distance.hpp"
 
 namespace eti::segmentation {
 

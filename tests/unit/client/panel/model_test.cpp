@@ -112,7 +112,7 @@ TEST(PanelModel, LimitsParameterRateAndSendsFinalValue) {
 TEST(PanelModel, TotalSendRateMatchesServerLimit) {
     PanelScene one;
     one.say();
-    // Twenty at once, and twenty a second: see server/app/run/command_queue.hpp.
+    // Twenty at once, and twenty a second: see server/app/run/commands/command_queue.hpp.
     for (int i = 0; i < 400; ++i) {
         for (std::size_t row = 0; row < one.model.rows().size(); ++row) {
             one.model.request(row, one.model.rows()[row].low + (i % 2 == 0 ? 0.0f : 1.0f));

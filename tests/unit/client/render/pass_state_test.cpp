@@ -10,7 +10,7 @@
 #include "client/render/passes/annotation_pass.hpp"
 #include "client/render/passes/caps_pass.hpp"
 #include "client/render/passes/glottis_pass.hpp"
-#include "client/render/passes/liquid_surface.hpp"
+#include "client/render/passes/liquid/liquid_surface.hpp"
 #include "client/render/passes/patient_pass.hpp"
 #include "client/render/passes/room_pass.hpp"
 #include "client/render/passes/shadow_pass.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bus_fixture.hpp"
-#include "common/bus/peers.hpp"
+#include "common/bus/discovery/peers.hpp"
 #include "common/process/files/descriptor.hpp"
 
 namespace eti::bus {

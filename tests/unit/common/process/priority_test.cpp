@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/process/priority.hpp"
+#include "common/process/threads/priority.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>

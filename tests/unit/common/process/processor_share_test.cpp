@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/process/processor_share.hpp"
+#include "common/process/threads/processor_share.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/process/processors.hpp"
+#include "common/process/threads/processors.hpp"
 #include "tests/support/other_simulation.hpp"
 
 namespace eti {

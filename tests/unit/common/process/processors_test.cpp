@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/process/processors.hpp"
+#include "common/process/threads/processors.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -7,7 +7,7 @@
 
 #include <numeric>
 
-#include "common/bus/rediscovery_counter.hpp"
+#include "common/bus/discovery/rediscovery_counter.hpp"
 
 namespace eti::doctor {
 namespace {

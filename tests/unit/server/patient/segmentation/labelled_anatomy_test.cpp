@@ -8,7 +8,7 @@
 #include "common/math/units.hpp"
 #include "server/patient/newborn/build/build.hpp"
 #include "server/patient/newborn/build/check_model.hpp"
-#include "server/patient/segmentation/label_distance.hpp"
+#include "server/patient/segmentation/grids/label_distance.hpp"
 
 namespace eti::segmentation {
 namespace {

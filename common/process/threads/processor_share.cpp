@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/process/processor_share.hpp"
+#include "common/process/threads/processor_share.hpp"
 
 #include <fmt/format.h>
 #include <sched.h>
@@ -15,7 +15,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/process/processors.hpp"
+#include "common/process/threads/processors.hpp"
 
 namespace eti {
 

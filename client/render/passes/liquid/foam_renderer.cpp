@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/passes/foam_renderer.hpp"
+#include "client/render/passes/liquid/foam_renderer.hpp"
 
 #include <array>
 #include <string>

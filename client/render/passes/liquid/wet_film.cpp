@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/passes/wet_film.hpp"
+#include "client/render/passes/liquid/wet_film.hpp"
 
 #include "client/render/shaders/shaders.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/interface_watcher.hpp"
+#include "common/bus/discovery/interface_watcher.hpp"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>

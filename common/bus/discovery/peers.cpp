@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/peers.hpp"
+#include "common/bus/discovery/peers.hpp"
 
 #include <algorithm>
 #include <tuple>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "common/bus/discovery_server.hpp"
+#include "common/bus/discovery/discovery_server.hpp"
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <utility>

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <map>
 
-#include "common/bus/peers.hpp"
+#include "common/bus/discovery/peers.hpp"
 
 namespace eti::bus {
 

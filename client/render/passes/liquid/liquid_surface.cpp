@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "client/render/passes/liquid_surface.hpp"
+#include "client/render/passes/liquid/liquid_surface.hpp"
 
 #include <algorithm>
 #include <array>

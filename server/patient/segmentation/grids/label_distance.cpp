@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/patient/segmentation/label_distance.hpp"
+#include "server/patient/segmentation/grids/label_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/patient/segmentation/voxelise.hpp"
+#include "server/patient/segmentation/grids/voxelise.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "common/mesh/check.hpp"
 #include "common/mesh/distance.hpp"
 #include "server/patient/imaging/mesh_file.hpp"
-#include "server/patient/segmentation/label_distance.hpp"
+#include "server/patient/segmentation/grids/label_distance.hpp"
 
 namespace eti::segmentation {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/patient/segmentation/own_grid.hpp"
+#include "server/patient/segmentation/grids/own_grid.hpp"
 
 #include <cmath>
 

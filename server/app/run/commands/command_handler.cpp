@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/run/command_handler.hpp"
+#include "server/app/run/commands/command_handler.hpp"
 
 #include <spdlog/spdlog.h>
 

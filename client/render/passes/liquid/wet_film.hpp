@@ -8,7 +8,7 @@
 #include "client/render/gl/gl_object.hpp"
 #include "client/render/gl/shader_program.hpp"
 #include "client/render/mesh/patient_mesh.hpp"
-#include "client/render/passes/liquid_surface.hpp"
+#include "client/render/passes/liquid/liquid_surface.hpp"
 
 namespace eti::render {
 

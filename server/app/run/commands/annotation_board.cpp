@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include "server/app/run/annotation_board.hpp"
+#include "server/app/run/commands/annotation_board.hpp"
 
 #include <algorithm>
 #include <utility>
