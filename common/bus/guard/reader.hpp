@@ -12,8 +12,8 @@ namespace eti::bus {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads a submessage's numbers in its byte order. Past the end it reads zeros, and whole() is false from
-/// then on.
+/// Reads a submessage's numbers in its byte order. Past the end it reads zeros; nothing is left, and whole() is
+/// false from then on.
 class Reader {
   public:
     Reader(Bytes bytes, bool little) : bytes_(bytes), little_(little) {}
@@ -43,7 +43,7 @@ class Reader {
   private:
     bool take(std::size_t count) {
         whole_ = whole_ && count <= left();
-        at_ += whole_ ? count : 0;
+        at_ = whole_ ? at_ + count : bytes_.size();
         return whole_;
     }
     std::uint64_t number(std::size_t size) {

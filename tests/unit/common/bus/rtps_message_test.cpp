@@ -64,10 +64,10 @@ class Message {
         return zeros(4 * ((bits + 31) / 32)).u32(1);
     }
     Message& fragment(std::uint32_t first, std::uint32_t count, std::uint32_t size, std::uint32_t whole,
-                      std::uint32_t payload, int flags = 1) {
+                      std::uint32_t payload, int flags = 1, std::uint32_t to_inline_qos = 28) {
         submessage(0x16, 32 + payload, flags)
             .u16(0)
-            .u16(28)
+            .u16(to_inline_qos)
             .reader()
             .writer()
             .number(1)
@@ -144,6 +144,16 @@ TEST(RtpsMessage, FragmentsOfKeyAreRefused) {
     EXPECT_TRUE(Message().fragment(1, 1, 64, 128, 64).passes());
     EXPECT_FALSE(Message().fragment(1, 1, 64, 128, 64).fragment(2, 1, 64, 128, 64, 1 | 4).passes());
     EXPECT_FALSE(Message().fragment(1, 1, 64, 128, 64, 1 | 8).passes()) << "a payload of its own kind";
+}
+
+// The library's length of a payload that begins behind its submessage wraps, and it copies from behind the
+// datagram. Found with the library's coverage.
+TEST(RtpsMessage, PayloadBehindItsSubmessageIsRefused) {
+    EXPECT_TRUE(Message().fragment(1, 1, 64, 128, 68, 1, 32).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 64, 128, 64, 1, 32).passes());
+    EXPECT_FALSE(Message().fragment(1, 1, 64, 128, 64, 1, 2048).passes());
+    EXPECT_FALSE(
+        Message().submessage(0x15, 32, 5).u16(0).u16(2048).reader().writer().number(1).zeros(12).passes());
 }
 
 // The library keeps its list of missing fragments inside the sample, at the first multiple of four bytes of
