@@ -17,13 +17,15 @@ GOLDEN = Path(__file__).resolve().parent / "render" / "golden"
 SHORT = {("back_faces", scenario, moment, view)
          for scenario in ("premature", "premature_bleeding") for moment in ("best", "tube")
          for view in ("laryngoscope", "lens", "section")} | {
-    ("back_faces", "term", "touch", "laryngoscope"), ("back_faces", "term", "touch", "lens")}
+    ("crossings", scenario, moment, "lens")
+    for scenario in ("term", "premature", "premature_bleeding") for moment in ("best", "tube")}
 # A build without the data of a whole body draws another newborn.
 WHOLE_BODY = (BIN.parent / "newborn_body" / "made_from").read_text(encoding="utf-8").strip() != "none"
 # Another compiler's last bits are another tremor of the hand, and so another best moment.
 AS_GOLDEN = WHOLE_BODY and platform.freedesktop_os_release().get("VERSION_CODENAME") == "bookworm"
 MET = ("back_faces", "blade_in_tissue", "edge_stretch", "open_contours", "vertices_apart", "golden_apart",
-       "lumen_to_cords", "lumen_to_tongue", "clipped", "fine_outline", "pogo_apart")
+       "lumen_to_cords", "lumen_to_tongue", "clipped", "fine_outline", "pogo_apart",
+       "open_edges", "crossings")
 
 
 class Render(unittest.TestCase):

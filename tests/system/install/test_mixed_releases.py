@@ -76,7 +76,7 @@ class MixedReleases(support.Case):
 
     def run_session(self, *of_the_other):
         session = Session(self.mixed(*of_the_other), self.folder, domain=support.DOMAIN, name=support.SESSION,
-                          scenario=support.COARSE_TERM, extra=support.SMALL_PICTURES, say=lambda text: None)
+                          extra=support.SMALL_PICTURES, say=lambda text: None)
         self.assert_session_succeeds(session)
 
     def test_devices_of_the_other(self):
