@@ -12,8 +12,8 @@ namespace eti::bus {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads a submessage's numbers in its byte order. Past the end it reads zeros; nothing is left, and whole() is
-/// false from then on.
+/// Reads a submessage's numbers in its byte order. Past the end it reads zeros; nothing is left, and whole()
+/// is false from then on.
 class Reader {
   public:
     Reader(Bytes bytes, bool little) : bytes_(bytes), little_(little) {}
