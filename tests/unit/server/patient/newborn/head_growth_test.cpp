@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "server/patient/newborn/newborn.hpp"
 #include "tests/support/coarse_newborn.hpp"
@@ -12,9 +13,22 @@ namespace eti::patient {
 namespace {
 
 struct Off {
-    double mean = 0.0;  // [mm]
+    double mean = 0.0;  // [mm], over the area
     double most = 0.0;  // [mm]
 };
+
+/// A third of the area of the triangles about each vertex [m^2].
+std::vector<double> vertex_areas(const TriangleMesh& mesh) {
+    std::vector<double> areas(mesh.vertices.size(), 0.0);
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3f& a = mesh.vertices[t[0]];
+        const double twice = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+        for (const std::uint32_t v : t) {
+            areas[v] += twice / 6.0;
+        }
+    }
+    return areas;
+}
 
 /// Distance of the grown cranium's skin and vault from those of a newborn built at that size.
 Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
@@ -29,8 +43,10 @@ Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
         frames[f].centre *= wanted / shape.head_scale;
     }
     Off off;
-    double count = 0.0;
+    double area = 0.0;
+    int count = 0;
     for (const Surface& surface : patient.surfaces) {
+        const std::vector<double> areas = vertex_areas(surface.mesh);
         for (std::size_t i = 0; i < surface.skin.size(); ++i) {
             const Vec3f& rest = surface.mesh.vertices[i];
             if (surface.tissue != Tissue::soft || built.to_model(rest).z() < 26.0f) {
@@ -38,13 +54,14 @@ Off off_built(const NewbornShape& shape, const Patient& patient, float wanted) {
             }
             const Vec3f place = skin_point(rest, surface.skin[i], patient.frame_rest_centre, frames);
             const double here = 1e3 * std::fabs(static_cast<double>(built.visible_fields(place).body));
-            off.mean += here;
+            off.mean += areas[i] * here;
             off.most = std::max(off.most, here);
-            count += 1.0;
+            area += areas[i];
+            ++count;
         }
     }
-    off.mean /= count;
-    EXPECT_GT(count, 500.0);
+    off.mean /= area;
+    EXPECT_GT(count, 500);
     return off;
 }
 
