@@ -107,8 +107,10 @@ class Offscreen {
             }
         }
         if (end_ == End::finished) {
-            // Deformation and status are separate topics; wait for the last deformation states.
-            for (const auto until = Clock::now() + 300ms; Clock::now() < until; client_.input.wait(20ms)) {
+            // Deformation, status and the run's report are separate topics; wait for the last of each.
+            const auto end = Clock::now();
+            const auto within = [&](Clock::duration time) { return Clock::now() < end + time; };
+            for (; within(300ms) || (!scene_.run_report() && within(3s)); client_.input.wait(20ms)) {
                 receive();
             }
         }
