@@ -5,21 +5,11 @@
 #include <algorithm>
 
 #include "server/patient/imaging/filter.hpp"
+#include "server/patient/segmentation/grids/label_distance.hpp"
 
 namespace eti::segmentation {
 
 namespace {
-
-imaging::Bits select_labels(const imaging::Mask& mask, const std::vector<Label>& labels) {
-    imaging::Bits bits(mask.value.size());
-    for (std::size_t i = 0; i < bits.size(); ++i) {
-        bits[i] = std::any_of(labels.begin(), labels.end(),
-                              [&](Label label) { return mask.value[i] == value_of(label); })
-                      ? 1
-                      : 0;
-    }
-    return bits;
-}
 
 /// Voxels of a structure that have a face outside it.
 imaging::Bits surface_of(const imaging::Geometry& geometry, const imaging::Bits& bits) {
@@ -50,8 +40,8 @@ Agreement agreement(const imaging::Mask& found, const imaging::Mask& truth,
             "the two label volumes have different sizes or positions; expected the same grid. Remedy: "
             "compare labels of the same CT.");
     }
-    const imaging::Bits a = select_labels(found, labels);
-    const imaging::Bits b = select_labels(truth, labels);
+    const imaging::Bits a = select(found, labels);
+    const imaging::Bits b = select(truth, labels);
     Agreement result;
     std::size_t both = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {

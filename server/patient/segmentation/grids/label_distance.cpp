@@ -13,7 +13,7 @@ namespace eti::segmentation {
 using imaging::Bits;
 using imaging::Geometry;
 
-Bits select(const imaging::Mask& labels, std::initializer_list<Label> which) {
+Bits select(const imaging::Mask& labels, const std::vector<Label>& which) {
     Bits bits(labels.value.size());
     for (std::size_t i = 0; i < bits.size(); ++i) {
         bits[i] = std::any_of(which.begin(), which.end(),

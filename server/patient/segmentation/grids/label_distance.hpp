@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #pragma once
 
-#include <initializer_list>
+#include <vector>
 
 #include "common/mesh/distance_grid.hpp"
 #include "server/patient/imaging/filter.hpp"
@@ -12,7 +12,7 @@
 namespace eti::segmentation {
 
 /// Mask of the voxels with one of the labels.
-[[nodiscard]] imaging::Bits select(const imaging::Mask& labels, std::initializer_list<Label> which);
+[[nodiscard]] imaging::Bits select(const imaging::Mask& labels, const std::vector<Label>& which);
 
 /// Corners [m] of a box along LPS.
 struct Box {
