@@ -46,6 +46,8 @@ bare_make() {
     # The system is temporary, so nothing waits for the disk.
     echo force-unsafe-io >"$system/etc/dpkg/dpkg.cfg.d/unsafe-io"
     cp /etc/resolv.conf "$system/etc/"
+    # Written by the installer of Debian, not by debootstrap; without it localhost depends on the network's name server.
+    printf '127.0.0.1\tlocalhost\n::1\tlocalhost ip6-localhost ip6-loopback\n' >"$system/etc/hosts"
     # Behind a proxy that signs for other hosts, npm and pip must know the proxy's certificate.
     [ ! -f "${NODE_EXTRA_CA_CERTS:-}" ] || cp "$NODE_EXTRA_CA_CERTS" "$system/etc/certificates-of-the-host.pem"
 }
