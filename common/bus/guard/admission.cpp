@@ -73,6 +73,7 @@ void Admission::on_discovered(const WriterId& writer, std::string_view topic) {
         return;
     }
     writers_.try_emplace(writer, Writer{known->name, known->from, ++order_, false});
+    set_left(writer.participant, known->name, false);
     if (writers_.size() > max_writers) {
         block_participants_over_limit();
     }
@@ -81,7 +82,10 @@ void Admission::on_discovered(const WriterId& writer, std::string_view topic) {
 
 void Admission::on_removed(const WriterId& writer) {
     const std::lock_guard lock(mutex_);
-    writers_.erase(writer);
+    if (const auto known = writers_.find(writer); known != writers_.end()) {
+        set_left(writer.participant, known->second.topic, true);
+        writers_.erase(known);
+    }
     reevaluate();
 }
 
@@ -190,10 +194,19 @@ void Admission::block_participants_over_limit() {
     forget_writers(most->first);
 }
 
+void Admission::set_left(const ParticipantId& participant, std::string_view topic, bool left) {
+    const auto candidate = candidates_.find(participant);
+    if (candidate != candidates_.end() && topic == topics::session_status.name) {
+        candidate->second.left = left;
+    }
+}
+
 bool Admission::silent(const ParticipantId& participant) const {
-    return std::ranges::any_of(writers_, [&](const auto& writer) {
-        return writer.first.participant == participant && writer.second.lost;
-    });
+    const auto candidate = candidates_.find(participant);
+    const bool left = candidate != candidates_.end() && candidate->second.left;
+    return left || std::ranges::any_of(writers_, [&](const auto& writer) {
+               return writer.first.participant == participant && writer.second.lost;
+           });
 }
 
 std::string Admission::name_of(const ParticipantId& participant) const {

@@ -67,6 +67,7 @@ class Admission {
         std::string name;
         bool as_server = false;
         std::uint64_t order = 0;  // order of discovery
+        bool left = false;  // its writer of SessionStatus was removed; the rest follows within its lease
     };
     struct Writer {
         std::string_view topic;
@@ -88,6 +89,7 @@ class Admission {
     void block_participants_over_limit();
     void choose_owner();
     [[nodiscard]] bool may_write(const WriterId& id, const Writer& writer) const;
+    void set_left(const ParticipantId& participant, std::string_view topic, bool left);
     [[nodiscard]] bool silent(const ParticipantId& participant) const;
     [[nodiscard]] std::string name_of(const ParticipantId& participant) const;
 

@@ -27,7 +27,7 @@ class AnnouncementGuard {
 
     /// After which a participant that does not repeat its announcement may change it: more than the lease of
     /// a session's programs, and than the period at which others repeat theirs.
-    static constexpr std::chrono::seconds stands_for{10};
+    static constexpr std::chrono::seconds stands_for{30};
     /// Beyond this number, the participants heard longest ago are dropped.
     static constexpr std::size_t max_participants = 256;
 

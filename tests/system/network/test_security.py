@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -91,6 +92,17 @@ class Security(support.Programs):
         done = self.run_as("laryngoscope", "eti-haptics", *device)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(json.loads(done.stdout)["states_received"], 0)
+
+    def test_stopped_device_returns(self):
+        """A participant that only one side had given up could not be authenticated again."""
+        self.start_server()
+        haptics = self.start("haptics", "eti-haptics", "--device", "simulated", "--identity",
+                             self.lab / "laryngoscope")
+        self.wait_for("server", "the laryngoscope's device is here")
+        haptics.send_signal(signal.SIGSTOP)
+        time.sleep(4.0)  # more than a plain program's lease
+        haptics.send_signal(signal.SIGCONT)
+        self.wait_for("server", "the laryngoscope's device is back")
 
     @unittest.skipUnless((support.BIN / "eti-doctor").exists(), "eti-doctor was not built")
     def test_doctor_measures_secured_session_as_observer(self):

@@ -72,6 +72,17 @@ TEST_F(AdmissionTest, RestartedServerTakesOverAfterKill) {
     EXPECT_TRUE(admission_.rejects(writer_of(a, 2)));
 }
 
+// Its participant is known until its lease ends.
+TEST_F(AdmissionTest, NextServerTakesOverAfterOrderlyEnd) {
+    admission_.on_discovered(b, "'eti-server' host:2", true);
+    admission_.on_removed(writer_of(a, 1));
+    admission_.on_removed(writer_of(a, 2));
+    EXPECT_EQ(admission_.owner(), b);
+    admission_.on_discovered(writer_of(b, 1), topics::session_status.name);
+    EXPECT_FALSE(admission_.rejects(writer_of(b, 1)));
+    EXPECT_FALSE(admission_.contested());
+}
+
 TEST_F(AdmissionTest, PausedServerStaysOwner) {
     admission_.on_liveliness_changed(writer_of(a, 1), true);
     admission_.on_liveliness_changed(writer_of(a, 1), false);
