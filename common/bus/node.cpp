@@ -140,7 +140,8 @@ Participant::Participant(const Options& wanted)
     apply_identity(options, qos, warnings_);
     install_receive_filter(qos.transport().user_transports,
                            options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
-                           admission_, options.profile, reach_of(options), only_addresses(options));
+                           admission_, options.profile, reach_of(options), only_addresses(options),
+                           !options.identity.empty());
     say_exposure(options);
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==

@@ -29,7 +29,7 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     std::vector<std::string> warnings;
     dds::DomainParticipantQos qos = discovery_server_qos(number, address, port, warnings);
     install_receive_filter(qos.transport().user_transports, max_datagram_bytes,
-                           std::make_shared<Admission>(false), options.profile, Reach::relayed, {});
+                           std::make_shared<Admission>(false), options.profile, Reach::relayed, {}, false);
     qos.name(options.name);
     for (const std::string& warning : warnings) {
         bus_log().warn("{}", warning);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -58,6 +59,8 @@ struct Questions {
     std::shared_ptr<FragmentGuard> fragments = std::make_shared<FragmentGuard>();
     std::shared_ptr<AnnouncementGuard> announcements = std::make_shared<AnnouncementGuard>();
     std::shared_ptr<InterfaceGuard> interface = nullptr;  // none: all interfaces
+    /// Held while the library processes what comes to a discovery port; null without security.
+    std::shared_ptr<std::mutex> discovery = nullptr;
     bool this_machine_only = false, relayed = false;
     Watchdog* watch = &eti::bus::watch();
 };
@@ -98,6 +101,11 @@ void say_other_interface() {
 void say_other_addresses() {
     static std::atomic<bool> said{false};
     say_once(said, "a DDS program on this domain announces addresses beyond this machine", machine);
+}
+
+/// Of discovery and security, by the protocol's formula of ports (DDSI-RTPS 2.5, 9.6.2.3).
+bool is_discovery_port(const rtps::Locator_t& local) {
+    return local.port % 2 == 0;
 }
 
 std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement>& replacements) {
@@ -175,6 +183,10 @@ class ReceiveFilter final : public ForwardingTransport {
             return false;
         };
         if (is_well_formed({buffer, size}, refused)) {
+            std::unique_lock<std::mutex> alone;
+            if (ask_.discovery && is_discovery_port(local)) {
+                alone = std::unique_lock(*ask_.discovery);
+            }
             const Watchdog::Call call(*ask_.watch);
             if (replacements.empty()) {
                 next->OnDataReceived(buffer, size, local, remote);
@@ -250,8 +262,11 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
                             std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
                             const std::string& profile, Reach reach,
-                            const std::vector<std::string>& only_addresses) {
+                            const std::vector<std::string>& only_addresses, bool secured) {
     Questions ask{admission};
+    if (secured) {
+        ask.discovery = std::make_shared<std::mutex>();
+    }
     if (!only_addresses.empty()) {
         ask.interface = std::make_shared<InterfaceGuard>(only_addresses);
     }
