@@ -103,9 +103,11 @@ void say_other_addresses() {
     say_once(said, "a DDS program on this domain announces addresses beyond this machine", machine);
 }
 
-/// Of discovery and security, by the protocol's formula of ports (DDSI-RTPS 2.5, 9.6.2.3).
+/// Of discovery and security, by the protocol's formula of ports (DDSI-RTPS 2.5, 9.6.2.3). From 100 on a
+/// domain has those of multicast topics.
 bool is_discovery_port(const rtps::Locator_t& local) {
-    return local.port % 2 == 0;
+    const std::uint32_t of_domain = (local.port - 7400) % 250;
+    return of_domain < 100 && of_domain % 2 == 0;
 }
 
 std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement>& replacements) {
