@@ -13,6 +13,7 @@ from pathlib import Path
 
 import hosts
 import remote
+import repeat
 import session_run
 from hosts import LabError
 
@@ -229,6 +230,9 @@ def parse():
     parser.add_argument("--out", type=Path, default=ROOT / "out/lab", help="folder for logs and session file, in a subfolder of "
                         "their own (default: out/lab)")
     parser.add_argument("--domain", type=int, default=0, metavar="N")
+    parser.add_argument("--repeat", type=int, default=1, metavar="N", help="run N sessions, and print how many failed; logs "
+                        "of those are kept")
+    parser.add_argument("--at-once", type=int, default=1, metavar="N", help="with --repeat: how many at a time (default: 1)")
     parser.add_argument("--json", action="store_true", help="print the results as one JSON object")
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -242,10 +246,25 @@ def parse():
                      "give --meet multicast or --meet peers")
     if options.no_multicast and options.meet == "multicast":
         parser.error("--no-multicast with --meet multicast: programs would not find each other; give --meet discovery or --meet peers")
+    if options.repeat < 1 or options.at_once < 1:
+        parser.error("--repeat and --at-once: expected 1 or more")
+    if options.hosts and options.repeat > 1:
+        parser.error("--hosts with --repeat: sessions are repeated on this machine only")
     if options.hosts and any((options.delay, options.jitter, options.loss, options.rate, options.no_multicast)):
         parser.error("--hosts with --delay, --jitter, --loss, --rate or --no-multicast: these apply to simulated networks " 
                      "only")
     return options
+
+
+def repeat_sessions(options):
+    repeated = repeat.Repeated(options, sys.argv[1:], lambda text: print(text, file=sys.stderr, flush=True))
+    handle_signals(repeated.stop)
+    return repeated.run()
+
+
+def handle_signals(stop):
+    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated"), (signal.SIGHUP, "hung up")):
+        signal.signal(number, lambda *_, why=why: stop(why))
 
 
 def main():
@@ -253,11 +272,12 @@ def main():
     why_not = None if options.hosts else hosts.why_impossible(options.bin)
     if why_not:
         sys.exit(f"lab: {why_not}")
+    if options.repeat > 1:
+        return repeat_sessions(options)
     folder = options.out / f"lab-{os.getpid()}"
     session_run.prepare_folder(folder)
     lab = Lab(options, folder)
-    for number, why in ((signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated"), (signal.SIGHUP, "hung up")):
-        signal.signal(number, lambda *_, why=why: lab.stop(why))
+    handle_signals(lab.stop)
     late = []
     try:
         lab.start()

@@ -171,6 +171,25 @@ class Lab(support.Case):
         for role in ("trainee", "observer", "observer-2"):
             self.assert_saw_the_session(seen["programs"][role])
 
+    def test_repeated_sessions_are_counted(self):
+        counted, _ = self.run_lab("--repeat", 2, "--at-once", 2, "--duration", 1, "--scenario",
+                                  support.ROOT / "tests/bench/server/soak.yaml")
+        self.assertEqual(counted, {"sessions": 2, "failed": []})
+        self.assertEqual(list(self.folder.iterdir()), [], "sessions that ended well leave nothing")
+
+    def test_repeated_sessions_that_fail_are_named(self):
+        programs = self.folder / "programs"
+        programs.mkdir()
+        for program in support.BIN.iterdir():
+            (programs / program.name).symlink_to("/bin/false" if program.name == "eti-calibrate" else program)
+        done = subprocess.run(self.lab("--repeat", 2, "--bin", programs), capture_output=True, text=True, timeout=PATIENCE)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("2 sessions, 2 failed: 1, 2, logs in", done.stdout)
+        logs = sorted(self.folder.glob("labs-*/*/lab.log"))
+        self.assertEqual(len(logs), 2)
+        for log in logs:
+            self.assertIn("eti-calibrate", log.read_text())
+
     def assert_nothing_remains(self, command):
         done = subprocess.run([*ALONE, REMAINS.replace("COMMAND", command)], capture_output=True, text=True,
                               timeout=PATIENCE)
