@@ -23,9 +23,10 @@ namespace {
 // s, a session looks alive long after it has died.
 const Duration participant_lease{1.5L};
 const Duration participant_announcement{0.5L};
-// A secured participant that only one side has given up stays lost: the other side takes it for authenticated
-// still, and answers no new handshake. On a busy processor announcements are seconds late.
-const Duration secured_lease{20.0L};
+// On a busy processor announcements are seconds late. A secured participant that only one side has given up
+// stays lost: the other side takes it for authenticated still, and answers no new handshake. So does one that
+// a discovery server has given up, which skips the endpoints of participants that it does not know.
+const Duration longer_lease{20.0L};
 
 void set_up_library() {
     static std::once_flag once;
@@ -146,7 +147,8 @@ Participant::Participant(const Options& wanted)
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
-        discovery.leaseDuration = options.identity.empty() ? participant_lease : secured_lease;
+        const bool returns = options.identity.empty() && options.discovery_servers.empty();
+        discovery.leaseDuration = returns ? participant_lease : longer_lease;
         discovery.leaseDuration_announcementperiod = participant_announcement;
     }
     qos.name(options.name);
