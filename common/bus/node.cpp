@@ -139,15 +139,14 @@ Participant::Participant(const Options& wanted)
     set_up_library();
     auto qos = participant_qos(options, warnings_);
     apply_identity(options, qos, warnings_);
-    install_receive_filter(qos.transport().user_transports,
-                           options.identity.empty() ? max_datagram_bytes : max_secured_datagram_bytes,
-                           admission_, options.profile, reach_of(options), only_addresses(options),
-                           !options.identity.empty());
+    const bool secured = !options.identity.empty();
+    install_receive_filter(qos.transport().user_transports, admission_, options.profile, reach_of(options),
+                           only_addresses(options), secured);
     say_exposure(options);
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     if (discovery.leaseDuration ==
         dds::PARTICIPANT_QOS_DEFAULT.wire_protocol().builtin.discovery_config.leaseDuration) {
-        const bool returns = options.identity.empty() && options.discovery_servers.empty();
+        const bool returns = !secured && options.discovery_servers.empty();
         discovery.leaseDuration = returns ? participant_lease : longer_lease;
         discovery.leaseDuration_announcementperiod = participant_announcement;
     }
@@ -161,10 +160,10 @@ Participant::Participant(const Options& wanted)
     participant = dds::DomainParticipantFactory::get_instance()->create_participant(
         static_cast<std::uint32_t>(options.domain), qos, this, dds::StatusMask::none());
     if (participant == nullptr) {
-        throw BusError(
-            fmt::format("cannot join domain {}: its UDP ports from {} on are in use or there is no network; "
-                        "choose another --domain, or bring up a network interface (ip link set lo up)",
-                        options.domain, 7400 + 250 * options.domain));
+        throw BusError(fmt::format(
+            "cannot join domain {}: its UDP ports from {} on are in use or there is no network; "
+            "choose another --domain, or bring up a network interface (ip link set lo up)",
+            options.domain, first_port + ports_per_domain * static_cast<std::uint32_t>(options.domain)));
     }
     dds::PublisherQos publisher_qos = dds::PUBLISHER_QOS_DEFAULT;
     const std::string partition = partition_of(options.session);

@@ -263,11 +263,11 @@ std::optional<rtps::Locator_t> multicast_locator(const Options& options, std::si
         return std::nullopt;
     }
     // A site-local group beside the discovery group. One port per topic, because the library joins one group
-    // per port. The ports are those of the domain's 250 (DDSI-RTPS 2.5, 9.6.1.1) above the first 45
-    // participants'.
+    // per port.
     rtps::Locator_t locator;
     rtps::IPLocator::setIPv4(locator, "239.255.18.1");
-    locator.port = static_cast<std::uint32_t>(7500 + 250 * options.domain + static_cast<int>(topic));
+    locator.port = first_port + ports_per_domain * static_cast<std::uint32_t>(options.domain) +
+                   topic_ports_offset + static_cast<std::uint32_t>(topic);
     return locator;
 }
 

@@ -20,6 +20,10 @@ inline constexpr std::uint32_t max_datagram_bytes = 1400;  // [bytes]
 /// fragment ("Cannot serialize ParticipantGenericMessage"). Messages sized for an MTU still fit it.
 inline constexpr std::uint32_t max_secured_datagram_bytes = 8192;  // [bytes]
 
+/// Ports of a domain (DDSI-RTPS 2.5, 9.6.2.3). Discovery and security have the even ones below those of
+/// multicast topics, which begin above the first 45 participants'.
+inline constexpr std::uint32_t first_port = 7400, ports_per_domain = 250, topic_ports_offset = 100;
+
 /// Transports, peers and discovery server of a participant with these options, or those of a profile. Every
 /// transport keeps to max_datagram_bytes. Adds to `warnings` what the kernel does not grant. Throws BusError
 /// for contradictory options, a name that cannot be resolved, or an invalid profile.

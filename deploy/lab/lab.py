@@ -51,7 +51,7 @@ class Lab(session_run.Session):
     """A session whose programs run on hosts; see Session for monitoring and ending it."""
 
     def __init__(self, options, folder, say=None):
-        say = say or (lambda text: print(text, file=sys.stderr, flush=True))
+        say = say or session_run.say
         quiet = ["--every", 0, "--no-video"] if not options.pictures else []
         observer = ["--observe", "--json", "--offscreen", folder / "observer-2", *quiet]
         super().__init__(options.bin_there, folder, options.scenario, options.operator, options.domain, say=say,
@@ -257,7 +257,7 @@ def parse():
 
 
 def repeat_sessions(options):
-    repeated = repeat.Repeated(options, sys.argv[1:], lambda text: print(text, file=sys.stderr, flush=True))
+    repeated = repeat.Repeated(options, sys.argv[1:])
     handle_signals(repeated.stop)
     return repeated.run()
 

@@ -11,29 +11,30 @@ import sys
 import threading
 from pathlib import Path
 
+import session_run
+
 LAB = Path(__file__).with_name("lab.py")
 
 
 class Repeated:
     """Runs `options.repeat` sessions with the arguments of one. Of sessions that end well only the count is kept."""
 
-    def __init__(self, options, arguments, say):
-        self.options, self.arguments, self.say = options, arguments, say
+    def __init__(self, options, arguments):
+        self.options, self.arguments = options, arguments
         self.folder = options.out / f"labs-{os.getpid()}"
-        self.running, self.lock = set(), threading.Lock()
+        self.running, self.lock = set(), threading.RLock()  # stop() may interrupt itself
         self.done, self.failed, self.stopping = 0, [], False
 
     def stop(self, why):
         """Ends the running sessions in order, and begins no other."""
         with self.lock:
             if not self.stopping:
-                self.say(f"Stopping: {why}.")
+                session_run.say(f"Stopping: {why}.")
             self.stopping = True
             for process in self.running:
                 process.terminate()
 
     def session(self, number):
-        """Returns whether it ended well, or None if it was not begun or was stopped."""
         folder = self.folder / str(number)
         # Of an option that is given twice, the last counts.
         command = [sys.executable, "-B", LAB, *self.arguments, "--repeat", 1, "--json", "--out", folder]
@@ -41,25 +42,25 @@ class Repeated:
         with (folder / "lab.log").open("wb") as log, (folder / "lab.json").open("wb") as out:
             with self.lock:
                 if self.stopping:
-                    return None
+                    return
                 # In a group of its own: Ctrl-C reaches it by stop() alone.
                 process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=out,
-                                           stderr=log, start_new_session=True)
+                                           stderr=log, start_new_session=True,
+                                           preexec_fn=session_run.die_with_parent)
                 self.running.add(process)
             status = process.wait()
         with self.lock:
             self.running.discard(process)
             if self.stopping:
-                return None
+                return
             self.done += 1
             if status != 0:
                 self.failed.append(number)
-                self.say(f"Session {number} failed with exit status {status}: {folder / 'lab.log'}")
+                session_run.say(f"Session {number} failed with exit status {status}: {folder / 'lab.log'}")
             elif self.done % 10 == 0:
-                self.say(f"{self.done} of {self.options.repeat} sessions, {len(self.failed)} failed")
+                session_run.say(f"{self.done} of {self.options.repeat} sessions, {len(self.failed)} failed")
         if status == 0:
             shutil.rmtree(folder)
-        return status == 0
 
     def run(self):
         """Returns the exit status: 0 if all were run and ended well."""

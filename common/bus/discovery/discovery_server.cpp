@@ -28,8 +28,8 @@ DiscoveryServer::DiscoveryServer(const Options& options, int number, const std::
     set_up_library_log();
     std::vector<std::string> warnings;
     dds::DomainParticipantQos qos = discovery_server_qos(number, address, port, warnings);
-    install_receive_filter(qos.transport().user_transports, max_datagram_bytes,
-                           std::make_shared<Admission>(false), options.profile, Reach::relayed, {}, false);
+    install_receive_filter(qos.transport().user_transports, std::make_shared<Admission>(false),
+                           options.profile, Reach::relayed, {}, false);
     qos.name(options.name);
     for (const std::string& warning : warnings) {
         bus_log().warn("{}", warning);

@@ -18,6 +18,7 @@
 #include "common/bus/guard/rtps_message.hpp"
 #include "common/bus/guard/sequence_number_guard.hpp"
 #include "common/bus/library_log.hpp"
+#include "common/bus/transport.hpp"
 #include "common/process/log_throttle.hpp"
 #include "common/process/watchdog.hpp"
 
@@ -103,11 +104,9 @@ void say_other_addresses() {
     say_once(said, "a DDS program on this domain announces addresses beyond this machine", machine);
 }
 
-/// Of discovery and security, by the protocol's formula of ports (DDSI-RTPS 2.5, 9.6.2.3). From 100 on a
-/// domain has those of multicast topics.
 bool is_discovery_port(const rtps::Locator_t& local) {
-    const std::uint32_t of_domain = (local.port - 7400) % 250;
-    return of_domain < 100 && of_domain % 2 == 0;
+    const std::uint32_t of_domain = (local.port - first_port) % ports_per_domain;
+    return of_domain < topic_ports_offset && of_domain % 2 == 0;
 }
 
 std::vector<std::uint8_t> replaced(Bytes datagram, const std::vector<Replacement>& replacements) {
@@ -262,9 +261,8 @@ std::shared_ptr<transport::TransportDescriptorInterface> filtered(
 }  // namespace
 
 void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDescriptorInterface>>& transports,
-                            std::uint32_t max_datagram_bytes, const std::shared_ptr<Admission>& admission,
-                            const std::string& profile, Reach reach,
-                            const std::vector<std::string>& only_addresses, bool secured) {
+                            const std::shared_ptr<Admission>& admission, const std::string& profile,
+                            Reach reach, const std::vector<std::string>& only_addresses, bool secured) {
     Questions ask{admission};
     if (secured) {
         ask.discovery = std::make_shared<std::mutex>();
@@ -275,7 +273,7 @@ void install_receive_filter(std::vector<std::shared_ptr<transport::TransportDesc
     ask.this_machine_only = reach == Reach::this_machine;
     ask.relayed = reach == Reach::relayed;
     for (auto& one : transports) {
-        one = filtered(one, max_datagram_bytes, ask, profile);
+        one = filtered(one, secured ? max_secured_datagram_bytes : max_datagram_bytes, ask, profile);
     }
 }
 

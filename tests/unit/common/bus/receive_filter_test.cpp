@@ -42,8 +42,7 @@ class Library final : public transport::TransportReceiverInterface {
 int at_once(bool secured, std::uint32_t port) {
     std::vector<std::shared_ptr<transport::TransportDescriptorInterface>> transports{
         std::make_shared<transport::UDPv4TransportDescriptor>()};
-    install_receive_filter(transports, max_datagram_bytes, std::make_shared<Admission>(false), "",
-                           Reach::network, {}, secured);
+    install_receive_filter(transports, std::make_shared<Admission>(false), "", Reach::network, {}, secured);
     const std::unique_ptr<transport::TransportInterface> made(transports.front()->create_transport());
     auto* const filter = dynamic_cast<ForwardingTransport*>(made.get());
     // A header and a timestamp (DDSI-RTPS 2.5, 9.4.1 and 9.4.5.9).
