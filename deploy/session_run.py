@@ -331,6 +331,7 @@ def pace(server, haptics):
     if server.get("steps", 0) > 0:
         simulated = server["steps"] * 1e-3 * server["step_budget_ms"]
         behind = server["behind_s"]
+        rows.append(("Simulated at", f"{server['quality']} quality"))
         rows.append(("The server fell behind", f"{100 * behind / (simulated + behind):.1f} % of the time "
                                                f"({behind:.1f} s in {simulated + behind:.1f} s)"))
         rows.append(("A step took", f"{server['step_ms']['p50']:.1f} ms, one in a hundred more than "

@@ -145,6 +145,24 @@ void adjust(std::vector<MeasureRow>& rows) {
 /// Below this size the tests hold their level by missing differences (docs/decisions/studies.md).
 constexpr std::size_t small = 10;
 
+/// Forces and view depend on it.
+void remark_on_mixed_quality(Comparison& comparison) {
+    std::size_t reduced = 0, all = 0;
+    for (const StudyGroup& group : comparison.groups) {
+        for (const StudySession& session : group.sessions) {
+            const auto quality = session.info.more.find(session::quality_text);
+            reduced += quality != session.info.more.end() && quality->second == "reduced" ? 1 : 0;
+            ++all;
+        }
+    }
+    if (reduced > 0 && reduced < all) {
+        comparison.remarks.push_back(fmt::format(
+            "{} of {} sessions were simulated at reduced quality, on slower machines: compare only "
+            "sessions of one quality, which eti-server --quality sets",
+            reduced, all));
+    }
+}
+
 void remark_on_small_samples(Comparison& comparison, std::size_t pairs) {
     constexpr const char* advice =
         "fewer than 10 find large differences only: 'undecided' does not mean that there is none";
@@ -231,6 +249,7 @@ void compare(Comparison& comparison) {
                         "give more files, or omit --paired",
                         pairs.size()));
     }
+    remark_on_mixed_quality(comparison);
     remark_on_small_samples(comparison, pairs.size());
     for (const Measure& measure : measures()) {
         MeasureRow row{&measure, {}, {}};

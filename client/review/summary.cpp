@@ -115,6 +115,9 @@ void put_session(nlohmann::ordered_json& into, const Summary& summary) {
     into["scenario"] = summary.info.scenario;
     into["operator"] = summary.info.operator_name;
     into["version"] = summary.info.version;
+    if (const auto found = summary.info.more.find(session::quality_text); found != summary.info.more.end()) {
+        into["quality"] = found->second;
+    }
     into["duration_s"] = summary.duration;
     into["finished"] = summary.finished;
     into["lost_records"] = summary.lost_records;

@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "server/app/options.hpp"
 
+#include <algorithm>
 #include <iostream>
 
 #include "common/bus/command_line.hpp"
@@ -65,11 +66,19 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         "Solver threads; 0: as many as the processors that affinity and a container's quota leave to this "
         "process, divided by the number of simulations on them; the result is independent of it",
         {0, 256});
+    std::string quality(name_of(options.quality));
+    app.add_option("--quality", quality,
+                   "auto: in real time, full if this machine keeps up with it, else reduced; with --fast or "
+                   "--no-dds full. full: as the scenario says. reduced: half its substeps and 1.25 times its "
+                   "fine spacing. The session file and --json name it")
+        .one_of({quality_names.begin(), quality_names.end()})
+        .capture_default_str();
     const Option resimulate =
         app.add_option("--resimulate", options.resimulate,
                        "Simulate the recorded inputs of this session file again, as fast as possible, and "
                        "compare every step with the recording. Exit status 0 only if all are identical")
-            .excludes({"--scenario", "--operator", "--seed", "--finish-after-attempt", "--duration"});
+            .excludes(
+                {"--scenario", "--operator", "--seed", "--finish-after-attempt", "--duration", "--quality"});
     app.add_option("--set", options.settings,
                    "With --resimulate: change a value with KEY=VALUE, and show both results side by side. A "
                    "key of eti-controller --set (tissue_stiffness_kpa) applies throughout; a key of a "
@@ -80,7 +89,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
         app.add_option("--replay", options.replay.file,
                        "Publish this session file as if it were live; see eti-review replay")
             .excludes({"--scenario", "--operator", "--seed", "--finish-after-attempt", "--duration",
-                       "--record", "--fast", "--no-dds", "--steps", "--resimulate"});
+                       "--record", "--fast", "--no-dds", "--steps", "--resimulate", "--quality"});
     app.add_number("--speed", options.replay.speed, "Speed of the replay",
                    {1.0 / 16, 16.0, "times real time"})
         .needs(replay);
@@ -101,6 +110,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     if (const auto code = app.parse(argc, argv)) {
         return *code;
     }
+    options.quality = static_cast<Quality>(std::ranges::find(quality_names, quality) - quality_names.begin());
     if (describe) {
         std::cout << description().dump(2) << std::endl;
         return 0;

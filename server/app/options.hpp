@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "server/app/run/quality.hpp"
 
 namespace eti::app {
 
@@ -39,6 +40,7 @@ struct Options {
         bool pause = false;        ///< start paused
     } replay;
     int threads = 0;  ///< 0: one per core
+    Quality quality = Quality::automatic;
 };
 
 /// Parses the command line. Returns an exit code if there is nothing to run (help, version, error).

@@ -36,6 +36,7 @@
 #include "server/app/run/commands/command_handler.hpp"
 #include "server/app/run/force_limit_monitor.hpp"
 #include "server/app/run/local_operator.hpp"
+#include "server/app/run/quality.hpp"
 #include "server/app/run/saliva_monitor.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/app/run/solver_threads.hpp"
@@ -53,6 +54,9 @@ constexpr double min_idle_share = 0.15;  // of a step
 
 // Haptic devices have faded their force out by then (0.3 s); a proxy that is only seen would end it at once.
 constexpr std::uint64_t steps_until_silent = steps_per_second / 2;
+
+// Chosen: a person does not notice 2 % less than real time.
+constexpr double behind_share = 0.02;
 
 /// A tool's device, as last reported.
 struct DeviceState {
@@ -102,6 +106,7 @@ class Session {
             }
         }
         patient_ = patient_of(scenario_);
+        choose_quality();
         inputs_ = parked_inputs(scenario_, patient_);
         simulation_ = std::make_unique<Simulation>(scenario_, patient_, inputs_);
         command_handler_ = CommandHandler(limits_of(scenario_), inputs_.runtime_parameters, has_next_session);
@@ -117,6 +122,7 @@ class Session {
                 script_ ? read_text_file(find_data_file(options.operator_name, "operators")) : "";
             info.seed = options.seed.value_or(scenario_.seed);
             info.more[session::participant_text] = options.participant;
+            info.more[session::quality_text] = name_of(quality_);
             if (script_) {
                 info.more[session::skill_text] = fmt::format("{:g}", script_->skill);
             }
@@ -129,6 +135,9 @@ class Session {
 
     /// Whether all sessions were asked to end, not only this one.
     [[nodiscard]] bool all_ended() const { return stop_requested() || command_handler_.stopped(); }
+
+    /// Whether it followed the clock and could not keep up with it.
+    [[nodiscard]] bool fell_behind() const { return behind_ > behind_share * simulation_->time(); }
 
     int run() {
         spdlog::info("session '{}' runs scenario '{}': {} particles, {} clusters, {} substeps",
@@ -163,6 +172,7 @@ class Session {
             take_annotations();
         }
         log_state();
+        behind_ = clock.behind();
         assessment_->finish();
         const bool kept = !recorder_ || recorder_->finish();
         lab_.reset();
@@ -183,6 +193,18 @@ class Session {
     }
 
   private:
+    /// Measures this machine where nobody has chosen, and replaces scenario and patient by reduced ones.
+    void choose_quality() {
+        quality_ = options_.quality;
+        if (quality_ == Quality::automatic) {
+            quality_ = live_ && !scenario_.manikin ? finest_in_real_time(scenario_, patient_) : Quality::full;
+        }
+        if (quality_ == Quality::reduced) {
+            scenario_ = reduced(scenario_);
+            patient_ = patient_of(scenario_);
+        }
+    }
+
     void start_threads() {
         if (bus_) {
             input_.emplace(*bus_);
@@ -408,8 +430,10 @@ class Session {
         const double behind = clock.behind();
         if (behind > warned_behind_ + 2.0) {
             warned_behind_ = behind;
-            spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %)", behind,
-                         100.0 * clock.load());
+            spdlog::warn(
+                "simulation time is {:.1f} s behind the clock (load {:.0f} %){}", behind,
+                100.0 * clock.load(),
+                quality_ == Quality::full ? ". Remedy: --quality reduced, or clients elsewhere" : "");
         }
         if (const std::string found = saliva_monitor_.check(simulation_->snapshot().saliva); !found.empty()) {
             spdlog::warn("{}", found);
@@ -473,6 +497,7 @@ class Session {
         }
         nlohmann::ordered_json out = result_json(summaries_of(simulation_->metrics()));
         out["scenario"] = scenario_.name;
+        out["quality"] = name_of(quality_);
         out["steps"] = simulation_->snapshot().step;
         out["state_hash"] = state_hash();
         out["step_ms"] = {{"p50", 1e3 * clock.percentile(0.5)},
@@ -489,6 +514,7 @@ class Session {
     SolverThreads& threads_;
     scene::Inputs inputs_;
     bool live_;  // real-time session with the bus
+    Quality quality_ = Quality::full;
     patient::Patient patient_;
     std::unique_ptr<Simulation> simulation_;
     std::optional<OperatorScript> script_;
@@ -516,6 +542,7 @@ class Session {
     std::uint64_t passes_ = 0;  // completed passes of the operator's script
     bool reset_ = false;        // requested internally, not by a command
     double warned_behind_ = 0.0;
+    double behind_ = 0.0;  // [s], at the end
     SalivaMonitor saliva_monitor_;
 };
 
@@ -548,11 +575,16 @@ int run_server(const Options& options) {
         scenarios.push_back(load_scenario(find_data_file(name, "scenarios")));
     }
     int status = 0;
+    Options session_options = options;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
-        Options session_options = options;
         session_options.record = numbered_record(options.record, i + 1);
         Session session(session_options, scenarios[i], i + 1 < scenarios.size(), threads);
         status = std::max(status, session.run());
+        if (session_options.quality == Quality::automatic && session.fell_behind()) {
+            spdlog::info("the next session's quality is '{}', as this one fell behind the clock",
+                         name_of(Quality::reduced));
+            session_options.quality = Quality::reduced;
+        }
         if (session.all_ended()) {
             break;
         }

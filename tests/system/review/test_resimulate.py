@@ -91,6 +91,16 @@ class Resimulate(support.Programs):
         live = self.record_expert(4, "premature")
         self.assert_as_recorded(self.resimulate(), live)
 
+    def test_reduced_quality_is_recorded_and_bit_identical(self):
+        live = self.record_expert(1, "term", "--quality", "reduced")
+        self.assertEqual(live["quality"], "reduced")
+        with h5py.File(self.record) as file:
+            self.assertEqual(file["meta/more"].attrs["quality"], "reduced")
+            self.assertIn("substeps: 4", file["meta"].attrs["scenario_text"])
+        self.assert_as_recorded(self.resimulate(), live)
+        summary = support.run("eti-review", "summary", self.record, "--json")
+        self.assertEqual(json.loads(summary.stdout)["quality"], "reduced")
+
     def test_commands_and_reset_are_bit_identical(self):
         self.start_server("--operator", "expert", "--json", scenario="premature")
         self.wait_for("server", "simulation time 1 s", support.SECONDS_TO_START)

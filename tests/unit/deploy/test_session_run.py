@@ -128,7 +128,8 @@ class Watching(unittest.TestCase):
 
 
 class Pace(unittest.TestCase):
-    SERVER = {"steps": 3600, "step_budget_ms": 1e3 / 180, "behind_s": 5.0, "step_ms": {"p50": 2.0, "p99": 4.5}}
+    SERVER = {"steps": 3600, "step_budget_ms": 1e3 / 180, "behind_s": 5.0, "step_ms": {"p50": 2.0, "p99": 4.5},
+              "quality": "full"}
     HAPTICS = {"cycles": 20000, "stale_share": 0.004, "force_n": {"max": 3.14}}
 
     def test_table_reports_pace_of_server_and_haptics(self):
@@ -136,6 +137,7 @@ class Pace(unittest.TestCase):
         self.assertEqual(session_run.pace(self.SERVER, self.HAPTICS),
                          ["Forces were complete    99.6 % of the time",
                           "Largest force felt      3.1 N",
+                          "Simulated at            full quality",
                           "The server fell behind  20.0 % of the time (5.0 s in 25.0 s)",
                           "A step took             2.0 ms, one in a hundred more than 4.5 ms, of 5.6 ms"])
 

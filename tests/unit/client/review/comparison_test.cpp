@@ -32,8 +32,10 @@ class Study : public ::testing::Test {
     /// A session of three steps whose run took `time` with that force on the gum; without `ends` it is cut
     /// off.
     std::filesystem::path session(const std::string& name, const std::string& participant, double time,
-                                  double gum = 1.0, bool ends = true) const {
+                                  double gum = 1.0, bool ends = true,
+                                  const std::string& quality = "full") const {
         session::SessionInfo info = session::sample::info();
+        info.more[session::quality_text] = quality;
         if (!participant.empty()) {
             info.more["participant"] = participant;
         }
@@ -119,6 +121,20 @@ TEST_F(Study, PairsSessionsByParticipant) {
     EXPECT_EQ(found.remarks[2].rfind("2 pairs: fewer than 10", 0), 0u) << found.remarks[2];
     EXPECT_NE(found.remarks[0].find("P3"), std::string::npos);
     EXPECT_NE(found.remarks[1].find("P4"), std::string::npos);
+}
+
+TEST_F(Study, RemarksOnSessionsOfReducedQuality) {
+    const GroupFiles mixed = {{"a", {session("1", "", 10, 1.0, true, "reduced"), session("2", "", 20)}},
+                              {"b", {session("3", "", 11), session("4", "", 23)}}};
+    const Comparison found = compared(mixed, false);
+    ASSERT_FALSE(found.remarks.empty());
+    EXPECT_EQ(found.remarks[0].rfind("1 of 4 sessions were simulated at reduced quality", 0), 0u)
+        << found.remarks[0];
+    const GroupFiles alike = {{"a", {session("5", "", 10, 1.0, true, "reduced")}},
+                              {"b", {session("6", "", 11, 1.0, true, "reduced")}}};
+    for (const std::string& remark : compared(alike, false).remarks) {
+        EXPECT_EQ(remark.find("quality"), std::string::npos) << remark;
+    }
 }
 
 TEST_F(Study, PairsSessionsByOrderWithoutParticipants) {

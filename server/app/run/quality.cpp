@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/run/quality.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "common/math/units.hpp"
+#include "common/model/pace.hpp"
+#include "common/scenario/setting.hpp"
+#include "server/app/run/simulation.hpp"
+
+namespace eti::app {
+
+namespace {
+
+constexpr int measured_steps = 40;
+constexpr float coarser = 1.25f;
+// A step in the lift costs 1.4 times as much as one with the tools at rest (docs/solver/cost.md), and the
+// simulation sleeps for 15 % of its steps' cost.
+constexpr double lift_cost = 1.4 * 1.15;
+
+double awake_step_cost(const Scenario& scenario, const patient::Patient& patient) {
+    Scenario awake = scenario;
+    awake.physics.sleep = false;
+    const scene::Inputs inputs = parked_inputs(awake, patient);
+    Simulation simulation(awake, patient, inputs);
+    using Clock = std::chrono::steady_clock;
+    Clock::duration least = Clock::duration::max();
+    for (int step = 0; step < measured_steps; ++step) {
+        const Clock::time_point began = Clock::now();
+        simulation.scene().step(inputs);
+        least = std::min(least, Clock::now() - began);
+    }
+    return std::chrono::duration<double>(least).count();
+}
+
+}  // namespace
+
+Scenario reduced(const Scenario& scenario) {
+    const Scenario::Physics& physics = scenario.physics;
+    std::string text =
+        with_setting(scenario.text, fmt::format("physics.substeps={}", std::max(1, physics.substeps / 2)));
+    if (scenario.patient.model.empty()) {
+        const float spacing =
+            std::min({coarser * physics.fine_spacing, physics.spacing, Scenario::Physics::max_fine_spacing});
+        text = with_setting(text, fmt::format("physics.fine_spacing_mm={:g}", spacing / millimetre));
+    }
+    return parse_scenario(text, scenario.folder / scenario.name);
+}
+
+bool keeps_real_time(double awake_step_cost) {
+    return lift_cost * awake_step_cost < step_duration;
+}
+
+Quality finest_in_real_time(const Scenario& scenario, const patient::Patient& patient) {
+    const double cost = awake_step_cost(scenario, patient);
+    const Quality quality = keeps_real_time(cost) ? Quality::full : Quality::reduced;
+    spdlog::info("quality '{}': with all tissue awake, a step takes {:.1f} ms of {:.1f}", name_of(quality),
+                 1e3 * cost, 1e3 * step_duration);
+    return quality;
+}
+
+}  // namespace eti::app

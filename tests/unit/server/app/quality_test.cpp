@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the NeoETI authors
+#include "server/app/run/quality.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/model/pace.hpp"
+#include "common/scenario/data_file.hpp"
+
+namespace eti::app {
+namespace {
+
+Scenario with(const std::string& physics) {
+    return parse_scenario("name: a\nlaryngoscope:\n  blade: miller_1\n" + physics, "a.yaml");
+}
+
+TEST(ReducedQuality, HalvesSubstepsAndCoarsensFineParticles) {
+    const Scenario full = with("physics:\n  substeps: 8\n  spacing_mm: 2\n  fine_spacing_mm: 1\n");
+    const Scenario less = reduced(full);
+    EXPECT_EQ(less.physics.substeps, 4);
+    EXPECT_FLOAT_EQ(less.physics.fine_spacing, 1.25e-3f);
+    EXPECT_FLOAT_EQ(less.physics.spacing, full.physics.spacing);
+    EXPECT_EQ(less.name, full.name);
+}
+
+TEST(ReducedQuality, StaysWithinLimitsOfKeys) {
+    const Scenario less = reduced(with("physics:\n  substeps: 1\n  spacing_mm: 1\n  fine_spacing_mm: 1\n"));
+    EXPECT_EQ(less.physics.substeps, 1);
+    EXPECT_FLOAT_EQ(less.physics.fine_spacing, 1e-3f);
+    const Scenario coarse = reduced(with("physics:\n  spacing_mm: 4\n  fine_spacing_mm: 2\n"));
+    EXPECT_FLOAT_EQ(coarse.physics.fine_spacing, 2e-3f);
+}
+
+// A recording holds the scenario's text, from which it is simulated again.
+TEST(ReducedQuality, TextGivesTheSameScenario) {
+    const Scenario less = reduced(with(""));
+    const Scenario again = parse_scenario(less.text, "b.yaml");
+    EXPECT_EQ(again.physics.substeps, less.physics.substeps);
+    EXPECT_FLOAT_EQ(again.physics.fine_spacing, less.physics.fine_spacing);
+    EXPECT_EQ(again.name, "a");
+}
+
+TEST(ReducedQuality, LeavesParticlesOfBuiltModels) {
+    const Scenario less = reduced(parse_scenario("name: a\npatient:\n  model: a.model.h5\n", "a.yaml"));
+    EXPECT_EQ(less.physics.substeps, 4);
+    EXPECT_EQ(less.text.find("fine_spacing_mm"), std::string::npos);
+}
+
+TEST(RealTime, NeedsTimeForTheLift) {
+    EXPECT_TRUE(keeps_real_time(0.5 * static_cast<double>(step_duration)));
+    EXPECT_FALSE(keeps_real_time(0.7 * static_cast<double>(step_duration)));
+}
+
+}  // namespace
+}  // namespace eti::app
