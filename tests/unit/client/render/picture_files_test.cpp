@@ -2,8 +2,6 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -14,18 +12,13 @@
 #include "client/render/image.hpp"
 #include "client/render/video.hpp"
 #include "client/render/views/camera.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti {
 namespace {
 
-class PictureFiles : public ::testing::Test {
+class PictureFiles : public test::ScratchFolderTest {
   protected:
-    void SetUp() override {
-        folder_ = std::filesystem::temp_directory_path() / ("eti_pictures_" + std::to_string(::getpid()));
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
     static render::Image gradient(int width, int height, std::uint8_t blue) {
         render::Image image{width, height, {}};
         for (int y = 0; y < height; ++y) {
@@ -36,14 +29,12 @@ class PictureFiles : public ::testing::Test {
         }
         return image;
     }
-
-    std::filesystem::path folder_;
 };
 
 TEST_F(PictureFiles, PngRoundTrips) {
     const render::Image image = gradient(64, 48, 200);
-    render::write_png(image, folder_ / "a.png");
-    const cv::Mat read = cv::imread((folder_ / "a.png").string(), cv::IMREAD_COLOR);
+    render::write_png(image, folder / "a.png");
+    const cv::Mat read = cv::imread((folder / "a.png").string(), cv::IMREAD_COLOR);
     ASSERT_EQ(read.cols, 64);
     ASSERT_EQ(read.rows, 48);
     const auto pixel = read.at<cv::Vec3b>(20, 10);  // row 20, column 10; blue, green, red
@@ -52,7 +43,7 @@ TEST_F(PictureFiles, PngRoundTrips) {
 
 TEST_F(PictureFiles, PngErrorNamesMissingFolder) {
     try {
-        render::write_png(gradient(8, 8, 0), folder_ / "missing" / "a.png");
+        render::write_png(gradient(8, 8, 0), folder / "missing" / "a.png");
         FAIL() << "no error";
     } catch (const std::runtime_error& error) {
         EXPECT_NE(std::string(error.what()).find("missing/a.png"), std::string::npos) << error.what();
@@ -60,7 +51,7 @@ TEST_F(PictureFiles, PngErrorNamesMissingFolder) {
 }
 
 TEST_F(PictureFiles, VideoKeepsFramesAndRate) {
-    const auto file = folder_ / "run.mp4";
+    const auto file = folder / "run.mp4";
     {
         render::Video video(file, 15.0, 64, 48);
         for (int i = 0; i < 10; ++i) {
@@ -83,7 +74,7 @@ TEST_F(PictureFiles, VideoKeepsFramesAndRate) {
 }
 
 TEST_F(PictureFiles, VideoInMissingFolderIsRejected) {
-    EXPECT_THROW(render::Video(folder_ / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
+    EXPECT_THROW(render::Video(folder / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
 }
 
 TEST(Camera, PoseLooksAlongMinusZ) {

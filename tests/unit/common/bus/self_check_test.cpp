@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "common/bus/fastdds/names.hpp"
 #include "common/bus/participant.hpp"
 #include "messages.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti::bus {
 namespace {
@@ -169,24 +169,15 @@ TEST(NodeOptions, InvalidSessionNamesAreRefused) {
     EXPECT_EQ(failure_of(options("x", std::string(48, 'a'))), "no BusError");
 }
 
-class Profile : public ::testing::Test {
+class Profile : public test::ScratchFolderTest {
   protected:
-    void SetUp() override {
-        folder_ = std::filesystem::temp_directory_path() /
-                  (std::string("eti_bus_") + std::to_string(::getpid()) + "_" +
-                   ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
     [[nodiscard]] Options with(const std::string& text) {
         Options wanted = options("x");
-        wanted.profile = folder_ / (std::to_string(++files_) + "profile.xml");
+        wanted.profile = folder / (std::to_string(++files_) + "profile.xml");
         std::ofstream(wanted.profile) << text;
         return wanted;
     }
 
-    std::filesystem::path folder_;
     int files_ = 0;
 };
 
@@ -204,9 +195,9 @@ constexpr const char* good_profile = R"(<?xml version="1.0" encoding="UTF-8" ?>
 
 TEST_F(Profile, MissingFile) {
     Options wanted = options("x");
-    wanted.profile = folder_ / "none.xml";
+    wanted.profile = folder / "none.xml";
     EXPECT_THAT(failure_of(wanted), AllOf(HasSubstr("none.xml"), HasSubstr("no such file")));
-    wanted.profile = folder_;
+    wanted.profile = folder;
     EXPECT_THAT(failure_of(wanted), HasSubstr("no such file")) << "a folder is no profile";
 }
 

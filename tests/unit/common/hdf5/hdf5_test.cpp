@@ -10,23 +10,14 @@
 
 #include "common/hdf5/file.hpp"
 #include "common/hdf5/packing.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti::hdf5 {
 namespace {
 
-class Hdf5 : public ::testing::Test {
+class Hdf5 : public test::ScratchFolderTest {
   protected:
-    Hdf5() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_hdf5_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "file.h5";
-    }
-    ~Hdf5() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "file.h5";
 };
 
 std::string refusal(const std::function<void()>& action) {

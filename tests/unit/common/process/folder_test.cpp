@@ -15,16 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class MakeFolder : public eti::test::ScratchFolder {};
+class MakeFolder : public eti::test::ScratchFolderTest {};
 
 TEST_F(MakeFolder, MakesParentFolders) {
-    eti::make_folder(folder_ / "a/b/c");
-    EXPECT_TRUE(fs::is_directory(folder_ / "a/b/c"));
-    eti::make_folder(folder_ / "a/b/c");  // exists already
+    eti::make_folder(folder / "a/b/c");
+    EXPECT_TRUE(fs::is_directory(folder / "a/b/c"));
+    eti::make_folder(folder / "a/b/c");  // exists already
 }
 
 TEST_F(MakeFolder, BlockingFileErrorNamesCauseAndRemedy) {
-    const fs::path file = folder_ / "file";
+    const fs::path file = folder / "file";
     std::ofstream(file) << "kept";
     for (const fs::path& folder : {file, file / "below"}) {
         try {

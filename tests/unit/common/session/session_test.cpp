@@ -16,24 +16,15 @@
 #include "common/session/repair/superblock.hpp"
 #include "common/session/writer.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::session {
 namespace {
 
-class Session : public ::testing::Test {
+class Session : public test::ScratchFolderTest {
   protected:
-    Session() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_session_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "run.eti.h5";
-    }
-    ~Session() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "run.eti.h5";
 };
 
 /// Records `steps` steps with a deformation every twelfth and a few of each other record.

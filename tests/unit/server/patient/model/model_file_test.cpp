@@ -3,30 +3,20 @@
 #include "server/patient/model/model_file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <functional>
 
 #include "common/hdf5/file.hpp"
 #include "random_patient.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti::patient {
 namespace {
 
-class ModelFile : public ::testing::Test {
+class ModelFile : public eti::test::ScratchFolderTest {
   protected:
-    ModelFile() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_model_file_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "patient.h5";
-    }
-    ~ModelFile() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "patient.h5";
 };
 
 using test::random_patient;
