@@ -57,7 +57,7 @@ void record(const std::filesystem::path& path, std::uint64_t steps) {
 /// Bit for bit, so that NaN equals itself.
 bool same(const StepRecord& a, const StepRecord& b) {
     bool equal = a.tube_nodes == b.tube_nodes;
-    step_columns(0, [&](const std::string&, const hdf5::Label&, auto field, std::size_t) {
+    step_columns(0)([&](const std::string&, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(a))>;
         if constexpr (!std::is_same_v<Field, std::vector<Vec3f>>) {
             std::vector<std::byte> left(Cell<Field>::bytes(0)), right(left.size());
