@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,6 +12,7 @@
 #include "client/render/image.hpp"
 #include "client/render/video.hpp"
 #include "client/render/views/camera.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace eti {
@@ -42,12 +43,9 @@ TEST_F(PictureFiles, PngRoundTrips) {
 }
 
 TEST_F(PictureFiles, PngErrorNamesMissingFolder) {
-    try {
-        render::write_png(gradient(8, 8, 0), folder / "missing" / "a.png");
-        FAIL() << "no error";
-    } catch (const std::runtime_error& error) {
-        EXPECT_NE(std::string(error.what()).find("missing/a.png"), std::string::npos) << error.what();
-    }
+    EXPECT_THAT(test::error_of<std::runtime_error>(
+                    [&] { render::write_png(gradient(8, 8, 0), folder / "missing" / "a.png"); }),
+                ::testing::HasSubstr("missing/a.png"));
 }
 
 TEST_F(PictureFiles, VideoKeepsFramesAndRate) {

@@ -13,6 +13,7 @@
 #include "client/review/study/ratings.hpp"
 #include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
@@ -60,12 +61,7 @@ class Study : public test::ScratchFolderTest {
     }
 
     std::string refusal(const GroupFiles& files, bool paired = false) const {
-        try {
-            (void)compared(files, paired);
-        } catch (const ComparisonError& error) {
-            return error.what();
-        }
-        return "";
+        return eti::test::error_of<ComparisonError>([&] { (void)compared(files, paired); });
     }
 };
 

@@ -10,6 +10,7 @@
 #include "client/review/export.hpp"
 #include "client/review/summary.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
@@ -220,14 +221,12 @@ TEST_F(Review, StoppedExportLeavesOnlyCompleteFiles) {
 TEST_F(Review, ExportErrorNamesUnwritableFolder) {
     record(10, {});
     std::ofstream(folder / "csv") << "a file where the folder should be";
-    try {
-        export_csv(
-            path, folder / "csv", [](const auto&) {}, [] { return false; });
-        FAIL();
-    } catch (const std::runtime_error& error) {
-        EXPECT_EQ(error.what(), (folder / "csv").string() +
-                                    ": cannot create the folder: Not a directory; choose another with --out");
-    }
+    EXPECT_EQ(
+        eti::test::error_of<std::runtime_error>([&] {
+            export_csv(
+                path, folder / "csv", [](const auto&) {}, [] { return false; });
+        }),
+        (folder / "csv").string() + ": cannot create the folder: Not a directory; choose another with --out");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,6 +15,7 @@
 #include "common/session/repair/damage.hpp"
 #include "common/session/repair/superblock.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
@@ -422,13 +423,11 @@ TEST_F(Session, ExistingAndUnwritablePathsAreRefused) {
     std::ofstream(path) << "precious";
     EXPECT_THROW(SessionWriter(path, sample::info(), sample::scene(), {}), hdf5::Error);
     EXPECT_EQ(std::filesystem::file_size(path), 8u);
-    try {
-        const SessionWriter writer(folder / "missing" / "run.eti.h5", sample::info(), sample::scene(), {});
-        FAIL();
-    } catch (const hdf5::Error& error) {
-        EXPECT_NE(std::string(error.what()).find("No such file or directory"), std::string::npos)
-            << error.what();
-    }
+    EXPECT_THAT(eti::test::error_of<hdf5::Error>([&] {
+                    const SessionWriter writer(folder / "missing" / "run.eti.h5", sample::info(),
+                                               sample::scene(), {});
+                }),
+                ::testing::HasSubstr("No such file or directory"));
 }
 
 TEST_F(Session, TextsAreCutBetweenCharacters) {
@@ -444,12 +443,7 @@ TEST_F(Session, TextsAreCutBetweenCharacters) {
 
 TEST_F(Session, ForeignFilesAreRefusedByName) {
     const auto refusal = [&] {
-        try {
-            const SessionReader reader(path);
-        } catch (const hdf5::Error& error) {
-            return std::string(error.what());
-        }
-        return std::string("accepted");
+        return eti::test::error_of<hdf5::Error>([&] { const SessionReader reader(path); });
     };
     EXPECT_NE(refusal().find("no such file"), std::string::npos) << refusal();
     EXPECT_EQ(refusal().find("--repair"), std::string::npos) << "what is not there cannot be mended";

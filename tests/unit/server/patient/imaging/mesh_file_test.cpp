@@ -6,6 +6,7 @@
 
 #include "common/mesh/check.hpp"
 #include "sample_volume.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti::imaging {
 namespace {
@@ -134,12 +135,7 @@ TEST(MeshFile, PolygonsBecomeTriangles) {
 }
 
 std::string refusal(const Bytes& data, const std::string& name) {
-    try {
-        (void)parse_mesh(data, name);
-    } catch (const VolumeError& error) {
-        return error.what();
-    }
-    return "";
+    return eti::test::error_of<VolumeError>([&] { (void)parse_mesh(data, name); });
 }
 
 TEST(MeshFile, ErrorsNameLineAndRemedy) {
