@@ -86,6 +86,7 @@ class NoFiles(support.Case):
         ("eti-server", "--fast", "--steps", 2, "--profile", "{}"),
         ("eti-review", "summary", "{}"),
         ("eti-review", "check", "{}"),
+        ("eti-review", "check", "{}", "--repair"),
         ("eti-review", "export", "{}", "--out", "out"),
         ("eti-anatomy", "segment", "{}", "--out", "out.nrrd"),
         ("eti-anatomy", "surfaces", "{}", "--out", "out"),
@@ -123,11 +124,9 @@ class NoFiles(support.Case):
 
 
 class CommandLine(support.Case):
-    # Each program with its required arguments.
+    # Each program with its required arguments; those of the devices: tests/unit/devices/app.
     PROGRAMS = {
         "eti-server": (),
-        "eti-haptics": ("--device", "simulated"),
-        "eti-tracker": ("--device", "scripted"),
         "eti-client": ("--offscreen", "/proc/no-pictures"),
         "eti-review": ("summary", "absent.eti.h5"),
     }
@@ -153,11 +152,6 @@ class CommandLine(support.Case):
             if program != "eti-review":
                 with self.subTest(program):
                     self.assert_refused(support.run(program, *needed, "--domain", 300), "domain", "300", "232")
-
-    def test_unknown_device_lists_available_ones(self):
-        for program, there_is in (("eti-haptics", "simulated"), ("eti-tracker", "scripted")):
-            with self.subTest(program):
-                self.assert_refused(support.run(program, "--device", "abacus"), "abacus", there_is)
 
 
 class Storage(support.Case):
@@ -236,17 +230,6 @@ class Storage(support.Case):
         record.write_text("earlier")
         self.assert_refused(self.serve(record, steps=2), record, "already exists")
         self.assertEqual(record.read_text(), "earlier")
-
-    def test_review_refuses_non_session_files(self):
-        absent = self.folder / "absent.eti.h5"
-        empty = self.folder / "empty.eti.h5"
-        empty.touch()
-        text = self.folder / "text.eti.h5"
-        text.write_text("not a session\n" * 1000)
-        for file in (absent, empty, text, self.folder):
-            for command in ("summary", "check"):
-                with self.subTest(file=file.name, command=command):
-                    self.assert_refused(support.run("eti-review", command, file), file)
 
 
 if __name__ == "__main__":
