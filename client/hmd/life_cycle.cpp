@@ -4,35 +4,31 @@
 
 namespace eti::hmd {
 
-RequiredCall LifeCycle::enter(SessionState state) {
+RequiredCall LifeCycle::enter(XrSessionState state) {
     if (end_ != SessionEnd::none) {
         return RequiredCall::none;
     }
     state_ = state;
     switch (state) {
-        case SessionState::ready:
+        case XR_SESSION_STATE_READY:
             if (!running_) {
                 running_ = true;
                 return RequiredCall::begin_session;
             }
             break;
-        case SessionState::stopping:
+        case XR_SESSION_STATE_STOPPING:
             if (running_) {
                 running_ = false;
                 return RequiredCall::end_session;
             }
             break;
-        case SessionState::exiting:
+        case XR_SESSION_STATE_EXITING:
             end_with(SessionEnd::left);
             break;
-        case SessionState::loss_pending:
+        case XR_SESSION_STATE_LOSS_PENDING:
             end_with(SessionEnd::headset_lost);
             break;
-        case SessionState::unknown:
-        case SessionState::idle:
-        case SessionState::synchronized:
-        case SessionState::visible:
-        case SessionState::focused:
+        default:
             break;
     }
     return RequiredCall::none;

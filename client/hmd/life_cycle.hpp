@@ -2,22 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <openxr/openxr.h>
+
 #include <cstdint>
 
 namespace eti::hmd {
-
-/// Mirrors XrSessionState, so that the life cycle does not depend on OpenXR.
-enum class SessionState : std::uint8_t {
-    unknown,
-    idle,          ///< headset not worn, or used by another program
-    ready,         ///< the runtime wants frames
-    synchronized,  ///< frames are paced but not visible
-    visible,       ///< visible, but a runtime menu lies on top and has the input focus
-    focused,
-    stopping,
-    loss_pending,  ///< the headset is being disconnected
-    exiting,       ///< the runtime or the user wants the program to end
-};
 
 /// The OpenXR call that a state change requires.
 enum class RequiredCall : std::uint8_t { none, begin_session, end_session };
@@ -34,7 +23,7 @@ enum class SessionEnd : std::uint8_t {
 class LifeCycle {
   public:
     /// Tolerates skipped and repeated states: a call already made is not required again.
-    [[nodiscard]] RequiredCall enter(SessionState state);
+    [[nodiscard]] RequiredCall enter(XrSessionState state);
     /// Only the first reason counts.
     void end_with(SessionEnd end);
     /// Requests the end of the session. True: the caller must call xrRequestExitSession, and the runtime
@@ -45,14 +34,14 @@ class LifeCycle {
     [[nodiscard]] bool running() const { return running_ && end_ == SessionEnd::none; }
     /// Frames are visible to the user.
     [[nodiscard]] bool visible() const {
-        return running() && (state_ == SessionState::visible || state_ == SessionState::focused);
+        return running() && (state_ == XR_SESSION_STATE_VISIBLE || state_ == XR_SESSION_STATE_FOCUSED);
     }
     /// The hands' input belongs to this program.
-    [[nodiscard]] bool focused() const { return running() && state_ == SessionState::focused; }
+    [[nodiscard]] bool focused() const { return running() && state_ == XR_SESSION_STATE_FOCUSED; }
     [[nodiscard]] SessionEnd end() const { return end_; }
 
   private:
-    SessionState state_ = SessionState::unknown;
+    XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;
     bool running_ = false;
     SessionEnd end_ = SessionEnd::none;
 };

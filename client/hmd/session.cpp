@@ -11,29 +11,6 @@
 namespace eti::hmd {
 namespace {
 
-SessionState from_xr(XrSessionState state) {
-    switch (state) {
-        case XR_SESSION_STATE_IDLE:
-            return SessionState::idle;
-        case XR_SESSION_STATE_READY:
-            return SessionState::ready;
-        case XR_SESSION_STATE_SYNCHRONIZED:
-            return SessionState::synchronized;
-        case XR_SESSION_STATE_VISIBLE:
-            return SessionState::visible;
-        case XR_SESSION_STATE_FOCUSED:
-            return SessionState::focused;
-        case XR_SESSION_STATE_STOPPING:
-            return SessionState::stopping;
-        case XR_SESSION_STATE_LOSS_PENDING:
-            return SessionState::loss_pending;
-        case XR_SESSION_STATE_EXITING:
-            return SessionState::exiting;
-        default:
-            return SessionState::unknown;
-    }
-}
-
 // A runtime rejects a session unless its supported OpenGL versions were queried before.
 void ask_for_versions(const Runtime& runtime, XrSystemId system) {
     auto versions = make_struct<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
@@ -126,7 +103,7 @@ void Session::on_state(const XrEventDataSessionStateChanged& event) {
     if (event.session != session_.get()) {
         return;
     }
-    switch (life_.enter(from_xr(event.state))) {
+    switch (life_.enter(event.state)) {
         case RequiredCall::begin_session: {
             auto info = make_struct<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
             info.primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;

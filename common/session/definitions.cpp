@@ -2,10 +2,9 @@
 // Copyright the NeoETI authors
 #include "common/session/definitions.hpp"
 
-#include <fmt/format.h>
-
 #include "common/model/attempt_metrics.hpp"
 #include "common/model/thresholds.hpp"
+#include "common/session/text_columns.hpp"
 
 namespace eti::session {
 
@@ -14,13 +13,6 @@ namespace {
 using hdf5::Group;
 
 constexpr const char* definitions_group = "definitions";
-
-template <class Row>
-struct TextColumn {
-    const char* name;
-    const char* description;
-    std::string Row::*value;
-};
 
 constexpr TextColumn<Definitions::Words> words_columns[] = {
     {"key", "of the metric, in summary and metrics; with a dot instead of a slash", &Definitions::Words::key},
@@ -35,36 +27,6 @@ constexpr TextColumn<Definitions::Number> number_columns[] = {
     {"unit", "of its value", &Definitions::Number::unit},
     {"meaning", "in words", &Definitions::Number::meaning},
 };
-
-template <class Row, std::size_t N>
-void write_columns(const Group& group, const std::vector<Row>& rows, const TextColumn<Row> (&columns)[N]) {
-    for (const TextColumn<Row>& column : columns) {
-        std::vector<std::string> texts;
-        for (const Row& row : rows) {
-            texts.push_back(row.*column.value);
-        }
-        group.write_texts(column.name, texts, {"1", column.description});
-    }
-}
-
-template <class Row, std::size_t N>
-[[nodiscard]] std::vector<Row> read_columns(const Group& group, const TextColumn<Row> (&columns)[N]) {
-    std::vector<Row> rows;
-    for (const TextColumn<Row>& column : columns) {
-        const std::vector<std::string> texts = group.read_texts(column.name);
-        if (&column == columns) {
-            rows.resize(texts.size());
-        }
-        if (texts.size() != rows.size()) {
-            throw hdf5::Error(fmt::format("{}: {} texts, expected {} as in {}", group.at(column.name),
-                                          texts.size(), rows.size(), columns[0].name));
-        }
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            rows[i].*column.value = texts[i];
-        }
-    }
-    return rows;
-}
 
 }  // namespace
 
@@ -90,9 +52,9 @@ void write_definitions(const Group& scene, const Definitions& definitions) {
     }
     const Group group = scene.create(definitions_group);
     group.set_integer("version", definitions.version);
-    write_columns(group.create("parameters"), definitions.metrics, words_columns);
+    write_text_columns(group.create("parameters"), definitions.metrics, words_columns);
     const Group numbers = group.create("thresholds");
-    write_columns(numbers, definitions.thresholds, number_columns);
+    write_text_columns(numbers, definitions.thresholds, number_columns);
     std::vector<double> values;
     for (const Definitions::Number& number : definitions.thresholds) {
         values.push_back(number.value);
@@ -107,9 +69,9 @@ Definitions read_definitions(const Group& scene) {
     }
     const Group group = scene.open(definitions_group);
     definitions.version = group.integer("version");
-    definitions.metrics = read_columns(group.open("parameters"), words_columns);
+    definitions.metrics = read_text_columns(group.open("parameters"), words_columns);
     const Group numbers = group.open("thresholds");
-    definitions.thresholds = read_columns(numbers, number_columns);
+    definitions.thresholds = read_text_columns(numbers, number_columns);
     const std::vector<double> values = numbers.read<double>("value", {definitions.thresholds.size()}).values;
     for (std::size_t i = 0; i < values.size(); ++i) {
         definitions.thresholds[i].value = values[i];

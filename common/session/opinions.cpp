@@ -13,6 +13,7 @@
 #include "common/session/reader.hpp"
 #include "common/session/repair/recording_lock.hpp"
 #include "common/session/repair/superblock.hpp"
+#include "common/session/text_columns.hpp"
 
 namespace eti::session {
 
@@ -20,54 +21,28 @@ namespace {
 
 using hdf5::Group;
 
-template <class Record, class Field>
-std::vector<std::string> texts_of(const std::vector<Record>& records, Field field) {
-    std::vector<std::string> texts;
-    for (const Record& record : records) {
-        texts.push_back(record.*field);
-    }
-    return texts;
-}
+constexpr TextColumn<Rating> rating_columns[] = {
+    {"rater", "rater", &Rating::rater},
+    {"item", "rated item", &Rating::item},
+    {"given", "when, UTC", &Rating::given},
+};
 
-/// Text columns of a group, all as long as the first.
-class Columns {
-  public:
-    Columns(const Group& group, const char* first) : group_(group), rows_(group.read_texts(first).size()) {}
-    [[nodiscard]] std::size_t rows() const { return rows_; }
-    [[nodiscard]] std::vector<std::string> texts(const char* name) const {
-        std::vector<std::string> texts = group_.read_texts(name);
-        if (texts.size() != rows_) {
-            throw hdf5::Error(fmt::format("{}: {} rows, expected {} as in its neighbours", group_.at(name),
-                                          texts.size(), rows_));
-        }
-        return texts;
-    }
-
-  private:
-    const Group& group_;
-    std::size_t rows_;
+constexpr TextColumn<Answer> answer_columns[] = {
+    {"form", "name of the form", &Answer::form},
+    {"question", "name of the question in it", &Answer::question},
+    {"text", "the question as it was asked", &Answer::text},
+    {"answer", "a score from 1 (worst) to 5 (best), yes or no, or words", &Answer::answer},
+    {"given", "when, UTC", &Answer::given},
 };
 
 void write_ratings(const Group& root, const std::vector<Rating>& ratings) {
     const Group group = root.create(ratings_group);
-    group.write_texts("rater", texts_of(ratings, &Rating::rater), {"1", "rater"});
-    group.write_texts("item", texts_of(ratings, &Rating::item), {"1", "rated item"});
-    group.write_texts("given", texts_of(ratings, &Rating::given), {"1", "when, UTC"});
+    write_text_columns(group, ratings, rating_columns);
     std::vector<std::uint8_t> scores;
     for (const Rating& rating : ratings) {
         scores.push_back(rating.score);
     }
     group.write<std::uint8_t>("score", scores, {scores.size()}, {"1", "1 (worst) to 5 (best)"});
-}
-
-void write_answers(const Group& root, const std::vector<Answer>& answers) {
-    const Group group = root.create(answers_group);
-    group.write_texts("form", texts_of(answers, &Answer::form), {"1", "name of the form"});
-    group.write_texts("question", texts_of(answers, &Answer::question), {"1", "name of the question in it"});
-    group.write_texts("text", texts_of(answers, &Answer::text), {"1", "the question as it was asked"});
-    group.write_texts("answer", texts_of(answers, &Answer::answer),
-                      {"1", "a score from 1 (worst) to 5 (best), yes or no, or words"});
-    group.write_texts("given", texts_of(answers, &Answer::given), {"1", "when, UTC"});
 }
 
 void require_amendable(const std::filesystem::path& file) {
@@ -127,30 +102,17 @@ std::vector<Rating> read_ratings(const Group& root) {
         return {};
     }
     const Group group = root.open(ratings_group);
-    const Columns columns(group, "rater");
-    const auto raters = columns.texts("rater"), items = columns.texts("item"), given = columns.texts("given");
-    const auto scores = group.read<std::uint8_t>("score", {columns.rows()}).values;
-    std::vector<Rating> ratings;
-    for (std::size_t i = 0; i < columns.rows(); ++i) {
-        ratings.push_back({raters[i], items[i], scores[i], given[i]});
+    std::vector<Rating> ratings = read_text_columns(group, rating_columns);
+    const auto scores = group.read<std::uint8_t>("score", {ratings.size()}).values;
+    for (std::size_t i = 0; i < ratings.size(); ++i) {
+        ratings[i].score = scores[i];
     }
     return ratings;
 }
 
 std::vector<Answer> read_answers(const Group& root) {
-    if (!root.has(answers_group)) {
-        return {};
-    }
-    const Group group = root.open(answers_group);
-    const Columns columns(group, "form");
-    const auto forms = columns.texts("form"), questions = columns.texts("question"),
-               texts = columns.texts("text"), answers = columns.texts("answer"),
-               given = columns.texts("given");
-    std::vector<Answer> out;
-    for (std::size_t i = 0; i < columns.rows(); ++i) {
-        out.push_back({forms[i], questions[i], texts[i], answers[i], given[i]});
-    }
-    return out;
+    return root.has(answers_group) ? read_text_columns(root.open(answers_group), answer_columns)
+                                   : std::vector<Answer>();
 }
 
 void add_ratings(const std::filesystem::path& file, const std::vector<Rating>& ratings) {
@@ -169,7 +131,7 @@ void add_answers(const std::filesystem::path& file, const std::vector<Answer>& a
             return a.form == b.form && a.question == b.question;
         });
         remove_group(root, answers_group);
-        write_answers(root, all);
+        write_text_columns(root.create(answers_group), all, answer_columns);
     });
 }
 

@@ -170,26 +170,23 @@ SceneRecord SessionReader::scene() const {
 
 std::vector<StepRecord> SessionReader::steps() const {
     const std::size_t nodes = file_.root().open("scene").open("tube").integer("nodes");
-    return read_records<StepRecord>(
-        file_.root(), [nodes](const auto& column) { step_columns(std::max<std::size_t>(nodes, 1), column); });
+    return read_records<StepRecord>(file_.root(), step_columns(std::max<std::size_t>(nodes, 1)));
 }
 
 std::vector<CommandRecord> SessionReader::commands() const {
-    return read_records<CommandRecord>(file_.root(), [](const auto& column) { command_columns(column); });
+    return read_records<CommandRecord>(file_.root(), command_columns);
 }
 
 std::vector<StateRecord> SessionReader::states() const {
     if (!file_.root().has("state")) {
         return {};
     }
-    return read_records<StateRecord>(file_.root(), [](const auto& column) { state_columns(column); });
+    return read_records<StateRecord>(file_.root(), state_columns);
 }
 
 std::vector<DeformationRecord> SessionReader::deformations() const {
-    const auto frames =
-        read_records<MovedFrame>(file_.root(), [](const auto& column) { moved_frame_columns(column); });
-    const auto times =
-        read_records<MovedFrames>(file_.root(), [](const auto& column) { moved_frames_columns(column); });
+    const auto frames = read_records<MovedFrame>(file_.root(), moved_frame_columns);
+    const auto times = read_records<MovedFrames>(file_.root(), moved_frames_columns);
     std::vector<DeformationRecord> records;
     std::uint64_t expected = 0;
     for (const MovedFrames& moved : times) {
@@ -217,10 +214,8 @@ std::vector<FluidRecord> SessionReader::fluids() const {
     if (!file_.root().has("fluid")) {
         return {};
     }
-    const auto particles =
-        read_records<FluidParticle>(file_.root(), [](const auto& column) { fluid_columns(column); });
-    const auto times =
-        read_records<FluidRows>(file_.root(), [](const auto& column) { fluid_rows_columns(column); });
+    const auto particles = read_records<FluidParticle>(file_.root(), fluid_columns);
+    const auto times = read_records<FluidRows>(file_.root(), fluid_rows_columns);
     std::vector<FluidRecord> records;
     std::uint64_t expected = 0;
     for (const FluidRows& rows : times) {
@@ -243,18 +238,16 @@ std::vector<FluidRecord> SessionReader::fluids() const {
 }
 
 std::vector<EventRecord> SessionReader::events() const {
-    return read_records<EventRecord>(file_.root(), [](const auto& column) { event_columns(column); });
+    return read_records<EventRecord>(file_.root(), event_columns);
 }
 
 std::vector<AnnotationRecord> SessionReader::annotations() const {
     if (!file_.root().has("annotations")) {
         return {};
     }
-    const auto places = read_records<AnnotationPlace>(
-        file_.root(), [](const auto& column) { annotation_place_columns(column); });
+    const auto places = read_records<AnnotationPlace>(file_.root(), annotation_place_columns);
     std::vector<AnnotationRecord> records;
-    for (AnnotationRows& rows : read_records<AnnotationRows>(
-             file_.root(), [](const auto& column) { annotation_rows_columns(column); })) {
+    for (AnnotationRows& rows : read_records<AnnotationRows>(file_.root(), annotation_rows_columns)) {
         if (rows.first_row > places.size() || rows.row_count > places.size() - rows.first_row) {
             break;
         }
@@ -277,8 +270,7 @@ std::vector<AnnotationRecord> SessionReader::annotations() const {
 
 std::vector<SummaryRecord> SessionReader::summaries() const {
     std::map<std::uint32_t, SummaryRecord> last;
-    for (SummaryRecord& record :
-         read_records<SummaryRecord>(file_.root(), [](const auto& column) { summary_columns(column); })) {
+    for (SummaryRecord& record : read_records<SummaryRecord>(file_.root(), summary_columns)) {
         last[record.attempt] = std::move(record);
     }
     std::vector<SummaryRecord> records;

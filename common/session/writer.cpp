@@ -147,7 +147,7 @@ void SessionWriter::Impl::create(const SessionInfo& info, const SceneRecord& sce
 void SessionWriter::Impl::create_in(hdf5::File made, const SessionInfo& info, const SceneRecord& scene) {
     const hdf5::Group& root = made.root();
     write_header(root, info, scene, 0);
-    step_columns(tube_nodes, column_creator<StepRecord>(step_table, root));
+    step_columns(tube_nodes)(column_creator<StepRecord>(step_table, root));
     command_columns(column_creator<CommandRecord>(command_table, root));
     state_columns(column_creator<StateRecord>(state_table, root));
     moved_frame_columns(column_creator<MovedFrame>(frame_table, root));
@@ -236,7 +236,7 @@ void SessionWriter::Impl::drain() {
         }
     });
     take(steps, [this](const StepRecord& r) {
-        step_columns(tube_nodes, row_appender(step_table, r));
+        step_columns(tube_nodes)(row_appender(step_table, r));
         last_time_ns = r.time_ns;
     });
     take(states, [this](const StateRecord& r) { state_columns(row_appender(state_table, r)); });

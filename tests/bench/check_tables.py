@@ -16,7 +16,6 @@ from pathlib import Path
 
 import plot_accuracy
 import plot_haptics
-import plot_stability
 import plotting
 from plotting import SHIPPED_TONGUE, rows_of
 from stability_cells import shipped_cells

@@ -8,7 +8,6 @@ Usage: operator_run.py NAME, a key of RUNS. Fails only if the server gave no res
 import json
 import re
 import sys
-from pathlib import Path
 
 import yaml
 

@@ -184,6 +184,20 @@ class Programs(Case):
         self.running[role].send_signal(signal.SIGINT)
         self.assertEqual(self.running[role].wait(PATIENCE), 0, self.log(role))
 
+    def control(self, *words):
+        """Runs eti-controller once."""
+        return run("eti-controller", *words, "--json", *self.bus)
+
+    def description(self):
+        """The session's description and current values, as clients receive them."""
+        done = self.control("--list")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def now(self, name):
+        """Value of a runtime parameter."""
+        return next(row["now"] for row in self.description()["live"] if row["name"] == name)
+
     def simulated(self):
         """Simulation time and its lag behind the clock [s], as last logged by the server."""
         told = re.findall(r"simulation time (\d+) s, ([\d.]+) s behind", self.log("server"))

@@ -32,14 +32,7 @@ class Live(support.Programs):
 
     def set(self, *wishes):
         arguments = [part for wish in wishes for part in ("--set", wish)]
-        return support.run("eti-controller", *arguments, "--session", support.SESSION, "--domain", support.DOMAIN,
-                           "--json")
-
-    def now(self, name):
-        """Value of a runtime parameter, as published to clients."""
-        said = support.run("eti-controller", "--list", "--json", "--session", support.SESSION, "--domain", support.DOMAIN)
-        self.assertEqual(said.returncode, 0, said.stderr)
-        return next(row["now"] for row in json.loads(said.stdout)["live"] if row["name"] == name)
+        return self.control(*arguments)
 
     def assert_ramped(self, values, wanted, most_per_second, relative=False):
         """It starts at its former value, ends at the requested one, and changes by no more than its rate in any step."""
@@ -79,15 +72,14 @@ class Live(support.Programs):
             self.assertTrue((before == 0).all(), "nothing moves before it is asked to")
 
     def test_preset_is_applied_by_name(self):
-        place = ["--session", support.SESSION, "--domain", support.DOMAIN, "--json"]
         self.start_server()
-        done = support.run("eti-controller", "--preset", "large_tongue", "--set", "tongue_scale=1.1", *place)
+        done = self.control("--preset", "large_tongue", "--set", "tongue_scale=1.1")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)["accepted"], 3)
-        dry = support.run("eti-controller", "--preset", "secretions", *place)
+        dry = self.control("--preset", "secretions")
         self.assertEqual(json.loads(dry.stdout)["refused"], 1)
         self.assertIn("saliva: standby", dry.stderr)
-        unknown = support.run("eti-controller", "--preset", "hopeless", *place)
+        unknown = self.control("--preset", "hopeless")
         self.assert_refused(unknown, "hopeless", "large_tongue", "stiff_neck")
         self.wait_seconds(2)
         self.stop("server")
@@ -101,14 +93,10 @@ class Live(support.Programs):
         self.start_server()
         done = self.set("tube_youngs_modulus_mpa=30", "tube_curve_radius_mm=200")
         self.assertEqual(done.returncode, 0, done.stderr)
-        noted = support.run("eti-controller", "--note", "tongue not swept aside", "--session", support.SESSION,
-                            "--domain", support.DOMAIN)
+        noted = self.control("--note", "tongue not swept aside")
         self.assertEqual(noted.returncode, 0, noted.stderr)
         self.wait_seconds(2)
-        said = support.run("eti-controller", "--list", "--json", "--session", support.SESSION, "--domain",
-                           support.DOMAIN)
-        self.assertEqual(said.returncode, 0, said.stderr)
-        session = json.loads(said.stdout)
+        session = self.description()
         self.assertEqual(session["scenario"], "term")
         self.assertEqual(session["description"], "Term newborn of 3.5 kg, head tilted, no secretions")
         now = {row["name"]: row["now"] for row in session["live"]}

@@ -29,7 +29,7 @@ class VirtualDisplay:
         else:
             os.environ["DISPLAY"] = self.before
 
-    def _do(self, *words):
+    def do(self, *words):
         return subprocess.run(["xdotool", *map(str, words)], capture_output=True, text=True, timeout=120, check=True,
                               env={**os.environ, "DISPLAY": self.name}).stdout
 
@@ -40,8 +40,8 @@ class VirtualDisplay:
             found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", title], capture_output=True, text=True, timeout=120,
                                    env={**os.environ, "DISPLAY": self.name}).stdout.split()
             if found:
-                self._do("windowmove", "--sync", found[-1], 0, 0)
-                self._do("windowfocus", "--sync", found[-1])
+                self.do("windowmove", "--sync", found[-1], 0, 0)
+                self.do("windowfocus", "--sync", found[-1])
                 return found[-1]
             if time.monotonic() > end:
                 raise TimeoutError(f"no window '{title}'")
@@ -49,23 +49,23 @@ class VirtualDisplay:
 
     def size(self, window):
         """Width and height [pixels]."""
-        said = dict(line.split("=") for line in self._do("getwindowgeometry", "--shell", window).split())
+        said = dict(line.split("=") for line in self.do("getwindowgeometry", "--shell", window).split())
         return int(said["WIDTH"]), int(said["HEIGHT"])
 
     def key(self, name, held=0.15):
         """Holds a key for several pictures: a key pressed and released between two of them is not seen."""
-        self._do("keydown", name)
+        self.do("keydown", name)
         time.sleep(held)
-        self._do("keyup", name)
+        self.do("keyup", name)
         time.sleep(held)
 
     def type(self, text):
-        self._do("type", "--delay", 100, text)
+        self.do("type", "--delay", 100, text)
         time.sleep(0.2)
 
     def click(self, x, y):
-        self._do("mousemove", x, y)
+        self.do("mousemove", x, y)
         time.sleep(0.15)
-        self._do("mousedown", 1)
+        self.do("mousedown", 1)
         time.sleep(0.15)
-        self._do("mouseup", 1)
+        self.do("mouseup", 1)

@@ -330,48 +330,27 @@ Rewritten rewrite(const SessionReader& from, const std::vector<TableState>& stat
         write(table, chunk);
     };
     const std::size_t nodes = tube_nodes_of(root);
-    plain(salvage_table<StepRecord>(source, step_chunk,
-                                    [nodes](const auto& column) { step_columns(nodes, column); }),
-          step_chunk);
-    plain(salvage_table<CommandRecord>(source, small_chunk,
-                                       [](const auto& column) { command_columns(column); }),
-          small_chunk);
+    plain(salvage_table<StepRecord>(source, step_chunk, step_columns(nodes)), step_chunk);
+    plain(salvage_table<CommandRecord>(source, small_chunk, command_columns), small_chunk);
     if (root.has("state")) {
-        plain(salvage_table<StateRecord>(source, small_chunk,
-                                         [](const auto& column) { state_columns(column); }),
-              small_chunk);
+        plain(salvage_table<StateRecord>(source, small_chunk, state_columns), small_chunk);
     }
-    plain(salvage_table<EventRecord>(source, small_chunk, [](const auto& column) { event_columns(column); }),
-          small_chunk);
-    plain(salvage_table<SummaryRecord>(source, small_chunk,
-                                       [](const auto& column) { summary_columns(column); }),
-          small_chunk);
+    plain(salvage_table<EventRecord>(source, small_chunk, event_columns), small_chunk);
+    plain(salvage_table<SummaryRecord>(source, small_chunk, summary_columns), small_chunk);
     const auto listed = [&](const char* group, Salvaged times, Salvaged rows, std::size_t rows_chunk) {
         keep_whole_times(group, times, rows, damage);
         write(rows, rows_chunk);
         write(times, small_chunk);
     };
-    listed("deformation",
-           salvage_table<MovedFrames>(source, small_chunk,
-                                      [](const auto& column) { moved_frames_columns(column); }),
-           salvage_table<MovedFrame>(source, moved_frame_chunk,
-                                     [](const auto& column) { moved_frame_columns(column); }),
-           moved_frame_chunk);
+    listed("deformation", salvage_table<MovedFrames>(source, small_chunk, moved_frames_columns),
+           salvage_table<MovedFrame>(source, moved_frame_chunk, moved_frame_columns), moved_frame_chunk);
     if (root.has("fluid")) {
-        listed("fluid",
-               salvage_table<FluidRows>(source, small_chunk,
-                                        [](const auto& column) { fluid_rows_columns(column); }),
-               salvage_table<FluidParticle>(source, fluid_chunk,
-                                            [](const auto& column) { fluid_columns(column); }),
-               fluid_chunk);
+        listed("fluid", salvage_table<FluidRows>(source, small_chunk, fluid_rows_columns),
+               salvage_table<FluidParticle>(source, fluid_chunk, fluid_columns), fluid_chunk);
     }
     if (root.has("annotations")) {
-        listed("annotations",
-               salvage_table<AnnotationRows>(source, small_chunk,
-                                             [](const auto& column) { annotation_rows_columns(column); }),
-               salvage_table<AnnotationPlace>(source, small_chunk,
-                                              [](const auto& column) { annotation_place_columns(column); }),
-               small_chunk);
+        listed("annotations", salvage_table<AnnotationRows>(source, small_chunk, annotation_rows_columns),
+               salvage_table<AnnotationPlace>(source, small_chunk, annotation_place_columns), small_chunk);
     }
     link_time_axis(file.root());
     for (const char* group : {ratings_group, answers_group}) {

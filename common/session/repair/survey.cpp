@@ -45,23 +45,22 @@ std::vector<EqualLength> tables(const Group& root) {
         });
         all.push_back(std::move(table));
     };
-    add("steps", StepRecord{}, [](const auto& column) { step_columns(1, column); });
-    add("commands", CommandRecord{}, [](const auto& column) { command_columns(column); });
-    add("moved frames", MovedFrame{}, [](const auto& column) { moved_frame_columns(column); });
-    add("deformations", MovedFrames{}, [](const auto& column) { moved_frames_columns(column); });
-    add("events", EventRecord{}, [](const auto& column) { event_columns(column); });
-    add("summaries", SummaryRecord{}, [](const auto& column) { summary_columns(column); });
+    add("steps", StepRecord{}, step_columns(1));
+    add("commands", CommandRecord{}, command_columns);
+    add("moved frames", MovedFrame{}, moved_frame_columns);
+    add("deformations", MovedFrames{}, moved_frames_columns);
+    add("events", EventRecord{}, event_columns);
+    add("summaries", SummaryRecord{}, summary_columns);
     if (root.has("fluid")) {
-        add("liquid particles", FluidParticle{}, [](const auto& column) { fluid_columns(column); });
-        add("states of the liquid", FluidRows{}, [](const auto& column) { fluid_rows_columns(column); });
+        add("liquid particles", FluidParticle{}, fluid_columns);
+        add("states of the liquid", FluidRows{}, fluid_rows_columns);
     }
     if (root.has("annotations")) {
-        add("places of annotations", AnnotationPlace{},
-            [](const auto& column) { annotation_place_columns(column); });
-        add("annotations", AnnotationRows{}, [](const auto& column) { annotation_rows_columns(column); });
+        add("places of annotations", AnnotationPlace{}, annotation_place_columns);
+        add("annotations", AnnotationRows{}, annotation_rows_columns);
     }
     if (root.has("state")) {
-        add("hashes of the state", StateRecord{}, [](const auto& column) { state_columns(column); });
+        add("hashes of the state", StateRecord{}, state_columns);
     }
     return all;
 }

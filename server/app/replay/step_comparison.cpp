@@ -31,8 +31,8 @@ double number_at(const std::vector<std::byte>& row, std::size_t byte) {
 void StepComparison::compare(const session::StepRecord& recorded, const session::StepRecord& simulated,
                              std::size_t row) {
     bool same = true;
-    session::step_columns(
-        tube_nodes_, [&](const std::string& path, const hdf5::Label&, auto field, std::size_t width) {
+    session::step_columns(tube_nodes_)(
+        [&](const std::string& path, const hdf5::Label&, auto field, std::size_t width) {
             using Field = std::decay_t<decltype(field(recorded))>;
             using Cell = session::Cell<Field>;
             // After the first difference, only counts.

@@ -119,38 +119,11 @@ void convert(std::span<const std::uint8_t> data, bool swap, std::vector<float>& 
 
 std::vector<float> to_floats(std::span<const std::uint8_t> data, Scalar type, bool swap) {
     std::vector<float> out(data.size() / size_of(type));
-    switch (type) {
-        case Scalar::i8:
-            convert<std::int8_t>(data, swap, out);
-            break;
-        case Scalar::u8:
-            convert<std::uint8_t>(data, swap, out);
-            break;
-        case Scalar::i16:
-            convert<std::int16_t>(data, swap, out);
-            break;
-        case Scalar::u16:
-            convert<std::uint16_t>(data, swap, out);
-            break;
-        case Scalar::i32:
-            convert<std::int32_t>(data, swap, out);
-            break;
-        case Scalar::u32:
-            convert<std::uint32_t>(data, swap, out);
-            break;
-        case Scalar::i64:
-            convert<std::int64_t>(data, swap, out);
-            break;
-        case Scalar::u64:
-            convert<std::uint64_t>(data, swap, out);
-            break;
-        case Scalar::f32:
-            convert<float>(data, swap, out);
-            break;
-        case Scalar::f64:
-            convert<double>(data, swap, out);
-            break;
-    }
+    constexpr std::array converters = {
+        &convert<std::int8_t>,  &convert<std::uint8_t>,  &convert<std::int16_t>, &convert<std::uint16_t>,
+        &convert<std::int32_t>, &convert<std::uint32_t>, &convert<std::int64_t>, &convert<std::uint64_t>,
+        &convert<float>,        &convert<double>};
+    converters[static_cast<std::size_t>(type)](data, swap, out);
     return out;
 }
 

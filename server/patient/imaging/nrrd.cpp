@@ -6,6 +6,9 @@
 #include <charconv>
 #include <map>
 #include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/math/units.hpp"
 #include "server/patient/imaging/formats.hpp"
@@ -116,46 +119,26 @@ class Header {
 };
 
 Scalar nrrd_scalar(const Header& header) {
-    static const std::map<std::string, Scalar> names = {{"signed char", Scalar::i8},
-                                                        {"int8", Scalar::i8},
-                                                        {"int8_t", Scalar::i8},
-                                                        {"uchar", Scalar::u8},
-                                                        {"unsigned char", Scalar::u8},
-                                                        {"uint8", Scalar::u8},
-                                                        {"uint8_t", Scalar::u8},
-                                                        {"short", Scalar::i16},
-                                                        {"short int", Scalar::i16},
-                                                        {"signed short", Scalar::i16},
-                                                        {"int16", Scalar::i16},
-                                                        {"int16_t", Scalar::i16},
-                                                        {"ushort", Scalar::u16},
-                                                        {"unsigned short", Scalar::u16},
-                                                        {"unsigned short int", Scalar::u16},
-                                                        {"uint16", Scalar::u16},
-                                                        {"uint16_t", Scalar::u16},
-                                                        {"int", Scalar::i32},
-                                                        {"signed int", Scalar::i32},
-                                                        {"int32", Scalar::i32},
-                                                        {"int32_t", Scalar::i32},
-                                                        {"uint", Scalar::u32},
-                                                        {"unsigned int", Scalar::u32},
-                                                        {"uint32", Scalar::u32},
-                                                        {"uint32_t", Scalar::u32},
-                                                        {"longlong", Scalar::i64},
-                                                        {"int64", Scalar::i64},
-                                                        {"int64_t", Scalar::i64},
-                                                        {"ulonglong", Scalar::u64},
-                                                        {"uint64", Scalar::u64},
-                                                        {"uint64_t", Scalar::u64},
-                                                        {"float", Scalar::f32},
-                                                        {"double", Scalar::f64}};
+    static const std::vector<std::pair<Scalar, std::vector<std::string_view>>> types = {
+        {Scalar::i8, {"signed char", "int8", "int8_t"}},
+        {Scalar::u8, {"uchar", "unsigned char", "uint8", "uint8_t"}},
+        {Scalar::i16, {"short", "short int", "signed short", "int16", "int16_t"}},
+        {Scalar::u16, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}},
+        {Scalar::i32, {"int", "signed int", "int32", "int32_t"}},
+        {Scalar::u32, {"uint", "unsigned int", "uint32", "uint32_t"}},
+        {Scalar::i64, {"longlong", "int64", "int64_t"}},
+        {Scalar::u64, {"ulonglong", "uint64", "uint64_t"}},
+        {Scalar::f32, {"float"}},
+        {Scalar::f64, {"double"}},
+    };
     const std::string name = header.need("type", "a scalar type such as 'short'");
-    const auto it = names.find(name);
-    if (it == names.end()) {
-        header.refuse(fmt::format("the type is '{}'", name.substr(0, 60)), "a scalar type such as 'short'",
-                      "export CT in Hounsfield units or labels");
+    for (const auto& [type, names] : types) {
+        if (std::ranges::find(names, name) != names.end()) {
+            return type;
+        }
     }
-    return it->second;
+    header.refuse(fmt::format("the type is '{}'", name.substr(0, 60)), "a scalar type such as 'short'",
+                  "export CT in Hounsfield units or labels");
 }
 
 /// Signs that map the file's space to LPS.

@@ -72,7 +72,7 @@ class Hands(support.Programs):
         self.drag(3, 300, 200, 40, 0)     # the hand is swung about the tip
         self.display.key("Tab")
         self.drag(1, 300, 200, -30, 20)
-        self.display._do("click", "--repeat", 5, "--delay", 200, 4)
+        self.display.do("click", "--repeat", 5, "--delay", 200, 4)
         time.sleep(2)
         self.assertTrue(window)
         report = self.end("client")

@@ -2,7 +2,6 @@
 # Copyright the NeoETI authors
 """The instructor's panel in a window: input there becomes commands that the server accepts."""
 
-import json
 import time
 import unittest
 
@@ -21,11 +20,6 @@ class Panel(support.Programs):
         self.display = VirtualDisplay()
         self.addCleanup(self.display.close)
         self.addCleanup(self.kill)  # before the display goes
-
-    def now(self, name):
-        done = support.run("eti-controller", "--list", "--json", *map(str, self.bus))
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return next(row["now"] for row in json.loads(done.stdout)["live"] if row["name"] == name)
 
     def becomes(self, name, value, seconds=6):
         end = time.monotonic() + seconds

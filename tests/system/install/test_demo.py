@@ -13,7 +13,6 @@ import h5py
 import numpy
 
 import support
-import session_run
 
 RESULT = support.BIN.parent / "demo-run.json"  # written by the first case for the others
 

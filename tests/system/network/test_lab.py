@@ -4,12 +4,10 @@
 
 import json
 import os
-import signal
 import stat
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 

@@ -30,14 +30,9 @@ class Replay(support.Programs):
         self.wait_for("replay", "replays")
 
     def ask(self, *words, status=0):
-        done = support.run("eti-controller", *words, "--json", *map(str, self.bus))
+        done = self.control(*words)
         self.assertEqual(done.returncode, status, done.stderr)
         return json.loads(done.stdout) if done.stdout else done
-
-    def now(self, name):
-        """Value of a runtime parameter, as published to clients."""
-        session = self.ask("--list")
-        return next(row["now"] for row in session["live"] if row["name"] == name)
 
     def draw(self, role):
         """An instructor's client that draws the last state of a session."""

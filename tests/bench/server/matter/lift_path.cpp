@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t steps_per_pose = 6;  // 30 poses a second
 constexpr double longest_lift = 15.0;      // [s] by which the expert has seen the glottis
 constexpr double view_settled = 1.5;       // [s] without a better view, after which none is expected
-constexpr int steps_at_rest = 270;         // with the blade at rest, until tissue has come to rest
+constexpr int poses_at_rest = 45;          // at the end, until tissue has come to rest: 1.5 s
 
 }  // namespace
 
@@ -57,7 +57,7 @@ LiftPath record_lift(const Scenario& scenario, const patient::Patient& patient) 
         throw std::runtime_error("the expert never saw the glottis: there is no lift to record");
     }
     path.resize(best);
-    path.insert(path.end(), steps_at_rest, path.back());
+    path.insert(path.end(), steps_per_pose - 1, path.back());  // so that its last pose is written
     return path;
 }
 
@@ -94,6 +94,7 @@ LiftPath read_path(const std::filesystem::path& file) {
     if (poses.empty()) {
         throw std::runtime_error("no poses in " + file.string() + "; record the path with --record");
     }
+    poses.insert(poses.end(), poses_at_rest, poses.back());
     LiftPath path;
     for (std::size_t k = 0; k + 1 < poses.size(); ++k) {
         for (std::size_t n = 0; n < steps_per_pose; ++n) {

@@ -15,12 +15,12 @@ namespace eti::bench {
 /// sees compares different lifts.
 using LiftPath = std::vector<RigidTransform>;
 
-/// The shipped expert's lift in this scenario, to the best view, then still for some seconds.
+/// The shipped expert's lift in this scenario, to the best view.
 [[nodiscard]] LiftPath record_lift(const Scenario& scenario, const patient::Patient& patient);
 
-/// Text of one pose in ten steps: `time_s,x,y,z,qw,qx,qy,qz`, in metres in the patient frame.
+/// Text of one pose in six steps: `time_s,x,y,z,qw,qx,qy,qz`, in metres in the patient frame.
 void write_path(const LiftPath& path, const std::filesystem::path& file);
-/// Reads it, interpolating linearly between poses.
+/// Reads it, interpolating linearly between poses, and lets the blade rest at its end.
 [[nodiscard]] LiftPath read_path(const std::filesystem::path& file);
 
 }  // namespace eti::bench

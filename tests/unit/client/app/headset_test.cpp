@@ -25,6 +25,8 @@
 #include "client/view/sight/airway_axes.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/support/virtual_display.hpp"
 
 namespace eti {
@@ -44,16 +46,13 @@ json pictures_of_frames() {
     return frames;
 }
 
-class HeadsetTest : public ::testing::Test {
+class HeadsetTest : public test::ScratchFolderTest {
   protected:
     enum class Screen { window, none };
 
     explicit HeadsetTest(Screen screen = Screen::window) {
         request_stop(false);
-        folder_ = std::filesystem::temp_directory_path() / ("eti_headset_" + std::to_string(::getpid()));
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-        ::setenv("ETI_HEADSET_FOLDER", folder_.c_str(), 1);
+        ::setenv("ETI_HEADSET_FOLDER", folder.c_str(), 1);
         ::setenv("XR_RUNTIME_JSON", ETI_HEADSET_RUNTIME, 1);
         options_.bus = synthetic::bus_options("eti-client");
         options_.headset = true;
@@ -64,16 +63,13 @@ class HeadsetTest : public ::testing::Test {
             // Debian's version knows GLX, and rejects the EGL structure as unknown.
             ::setenv("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation", 1);
             ::setenv("XR_CORE_VALIDATION_EXPORT_TYPE", "text", 1);
-            ::setenv("XR_CORE_VALIDATION_FILE_NAME", (folder_ / "validation.txt").c_str(), 1);
+            ::setenv("XR_CORE_VALIDATION_FILE_NAME", (folder / "validation.txt").c_str(), 1);
         } else {
             ::unsetenv("DISPLAY");
             ::unsetenv("XR_ENABLE_API_LAYERS");
         }
     }
-    ~HeadsetTest() override {
-        request_stop(false);
-        std::filesystem::remove_all(folder_);
-    }
+    ~HeadsetTest() override { request_stop(false); }
 
     // Runs the client until the script or `enough` ends it, for a minute at most.
     int wear(
@@ -84,7 +80,7 @@ class HeadsetTest : public ::testing::Test {
         }
         script["eye_width"] = script["eye_height"] = side;
         script["pace_ms"] = script.value("pace_ms", 4);
-        std::ofstream(folder_ / "script.json") << script;
+        std::ofstream(folder / "script.json") << script;
         std::atomic<bool> done = false;
         std::thread watch([&] {
             const auto limit = std::chrono::steady_clock::now() + 60s;
@@ -96,7 +92,7 @@ class HeadsetTest : public ::testing::Test {
         const int status = client::run_headset(options_, result_);
         done = true;
         watch.join();
-        report_ = json::parse(std::ifstream(folder_ / "report.json"));
+        report_ = json::parse(std::ifstream(folder / "report.json"));
         return status;
     }
     // Every call was in order, every frame in time and from the eyes' pose at that time, and the validation
@@ -104,7 +100,7 @@ class HeadsetTest : public ::testing::Test {
     void expect_no_fault() const {
         EXPECT_EQ(report_["faults"], json::array());
         // From OpenXR 1.1 on the layer also says that it starts and ends, at its lowest level.
-        std::ifstream file(folder_ / "validation.txt");
+        std::ifstream file(folder / "validation.txt");
         std::string said;
         for (std::string line; std::getline(file, line);) {
             if (line.find("[VALID_DEBUG |") == std::string::npos) {
@@ -124,7 +120,6 @@ class HeadsetTest : public ::testing::Test {
     }
 
     int side = 240;  // pixels
-    std::filesystem::path folder_;
     std::optional<test::VirtualDisplay> display_;
     client::Options options_;
     json result_, report_;
@@ -233,7 +228,7 @@ TEST_F(HeadsetTest, BothEyesMatchCameraProjection) {
     std::array<Extent, 2> drawn, expected;
     for (std::size_t eye = 0; eye < 2; ++eye) {
         const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
-        drawn[eye] = skin_in(folder_ / file);
+        drawn[eye] = skin_in(folder / file);
         expected[eye] = skin_by_mathematics(last["eyes"][eye], options_.gum_in_room, side);
         // Half a pixel of rasterisation, and one for a colour that fades along the rim.
         SCOPED_TRACE(file);
@@ -249,7 +244,7 @@ TEST_F(HeadsetTest, PublishesDominantEye) {
         SyntheticServer server(1e9);
         options_.left_eye_dominant = left;
         options_.gum_in_room = {0.0f, -0.25f, -0.2f};
-        std::filesystem::remove(folder_ / "report.json");
+        std::filesystem::remove(folder / "report.json");
         ASSERT_EQ(wear({{"head", {{{"position", {0.01, 0.02, 0.03}}, {"pitch", -0.5}}}}},
                        [&] { return server.eyes() > 3; }),
                   0);
@@ -318,7 +313,7 @@ TEST_F(HeadsetTest, MarksAlignWithTargetsInBothEyes) {
         const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
         const Eigen::Vector2f there =
             pixel_by_mathematics(last["eyes"][eye], options_.gum_in_room, gum, side);
-        EXPECT_LT((green_dot_near(folder_ / file, there) - there).norm(), 2.0f) << file;
+        EXPECT_LT((green_dot_near(folder / file, there) - there).norm(), 2.0f) << file;
     }
 }
 
@@ -351,7 +346,7 @@ TEST_F(HeadsetTest, AirwayAxesMatchCameraProjectionInBothEyes) {
     std::array<std::vector<Eigen::Vector2f>, 2> ends;
     for (std::size_t eye = 0; eye < 2; ++eye) {
         const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
-        const render::Image image = render::read_png(folder_ / file);
+        const render::Image image = render::read_png(folder / file);
         int looked_at = 0;
         for (const view::AirwayAxis& axis : axes.axes) {
             for (const float along : {0.1f, 0.3f, 0.5f, 0.7f, 0.9f}) {
@@ -552,7 +547,7 @@ TEST_F(HeadsetTest, RuntimeWithoutLayersGetsOneImagePerEye) {
     for (std::size_t eye = 0; eye < 2; ++eye) {
         const auto file = fmt::format("{:03d}_{}.png", last["frame"].get<int>(), eye == 0 ? "left" : "right");
         SCOPED_TRACE(file);
-        expect_close(skin_in(folder_ / file),
+        expect_close(skin_in(folder / file),
                      skin_by_mathematics(last["eyes"][eye], options_.gum_in_room, side), 1.5f);
     }
 }
@@ -575,14 +570,9 @@ TEST_F(WindowlessHeadsetTest, DrawsWithoutDisplay) {
 
 TEST_F(WindowlessHeadsetTest, ErrorWithoutRuntimeSaysWhatToInstall) {
     ::setenv("XR_RUNTIME_JSON", "/nowhere/runtime.json", 1);
-    try {
-        (void)client::run_headset(options_, result_);
-        FAIL() << "a headset without its software";
-    } catch (const std::runtime_error& error) {
-        EXPECT_THAT(error.what(),
-                    ::testing::AllOf(::testing::HasSubstr("--view hmd"), ::testing::HasSubstr("Install"),
-                                     ::testing::HasSubstr("XR_RUNTIME_JSON")));
-    }
+    EXPECT_THAT(test::error_of<std::runtime_error>([&] { (void)client::run_headset(options_, result_); }),
+                ::testing::AllOf(::testing::HasSubstr("--view hmd"), ::testing::HasSubstr("Install"),
+                                 ::testing::HasSubstr("XR_RUNTIME_JSON")));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // Copyright the NeoETI authors
 #include "client/app/offscreen/offscreen.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <unistd.h>
 
@@ -23,6 +23,7 @@
 #include "client/app/offscreen/pictures.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti {
 namespace {
@@ -179,13 +180,8 @@ TEST_F(OffscreenTest, ErrorNamesFolderThatCannotBeCreated) {
     const auto file = std::filesystem::temp_directory_path() / ("eti_file_" + std::to_string(::getpid()));
     std::ofstream(file) << "not a folder";
     options_.offscreen = file / "pictures";
-    try {
-        (void)client::run_offscreen(options_, result_);
-        FAIL() << "no error";
-    } catch (const std::runtime_error& error) {
-        EXPECT_NE(std::string(error.what()).find(options_.offscreen.string()), std::string::npos)
-            << error.what();
-    }
+    EXPECT_THAT(test::error_of<std::runtime_error>([&] { (void)client::run_offscreen(options_, result_); }),
+                ::testing::HasSubstr(options_.offscreen.string()));
     std::filesystem::remove(file);
 }
 

@@ -3,7 +3,7 @@
 #include <epoxy/gl.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +20,7 @@
 #include "client/app/window/windowed.hpp"
 #include "common/process/stop_signal.hpp"
 #include "synthetic_server.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/virtual_display.hpp"
 
@@ -42,12 +43,8 @@ class WindowTest : public ::testing::Test {
 TEST(Window, ErrorWithoutDisplaySuggestsOffscreen) {
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
-    try {
-        const client::Window window(320, 240, "test");
-        FAIL() << "a window without a display";
-    } catch (const std::runtime_error& error) {
-        EXPECT_NE(std::string(error.what()).find("--offscreen"), std::string::npos) << error.what();
-    }
+    EXPECT_THAT(test::error_of<std::runtime_error>([&] { const client::Window window(320, 240, "test"); }),
+                ::testing::HasSubstr("--offscreen"));
 }
 
 TEST(Window, ShowsDrawnScene) {
@@ -217,13 +214,8 @@ TEST(Window, GivesUpAfterWaitTimeWithoutServer) {
     options.wait_s = 0.5;
     nlohmann::json result;
     const auto begin = std::chrono::steady_clock::now();
-    try {
-        (void)client::run_windowed(options, result);
-        FAIL() << "no error";
-    } catch (const bus::BusError& error) {
-        EXPECT_NE(std::string(error.what()).find("no server found for 0.5 s (--wait)"), std::string::npos)
-            << error.what();
-    }
+    EXPECT_THAT(test::error_of<bus::BusError>([&] { (void)client::run_windowed(options, result); }),
+                ::testing::HasSubstr("no server found for 0.5 s (--wait)"));
     EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(500));
 }
 

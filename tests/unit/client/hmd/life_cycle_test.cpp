@@ -10,11 +10,14 @@
 namespace eti::hmd {
 namespace {
 
-using enum SessionState;
+constexpr XrSessionState idle = XR_SESSION_STATE_IDLE, ready = XR_SESSION_STATE_READY,
+                         synchronized = XR_SESSION_STATE_SYNCHRONIZED, visible = XR_SESSION_STATE_VISIBLE,
+                         focused = XR_SESSION_STATE_FOCUSED, stopping = XR_SESSION_STATE_STOPPING,
+                         loss_pending = XR_SESSION_STATE_LOSS_PENDING, exiting = XR_SESSION_STATE_EXITING;
 
-std::vector<RequiredCall> through(LifeCycle& life, std::initializer_list<SessionState> states) {
+std::vector<RequiredCall> through(LifeCycle& life, std::initializer_list<XrSessionState> states) {
     std::vector<RequiredCall> out;
-    for (const SessionState state : states) {
+    for (const XrSessionState state : states) {
         out.push_back(life.enter(state));
     }
     return out;

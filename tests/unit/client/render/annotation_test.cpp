@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <epoxy/gl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <map>
@@ -10,6 +10,7 @@
 #include "client/render/views/pick.hpp"
 #include "client/view/sight/line_of_sight.hpp"
 #include "scene_picture.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti::render {
 namespace {
@@ -305,13 +306,9 @@ TEST_F(AnnotationPicture, GpuResetIsReported) {
     const auto driver = epoxy_glGetGraphicsResetStatus;
     ASSERT_NO_THROW(renderer_.sync(scene_));
     epoxy_glGetGraphicsResetStatus = []() -> GLenum { return GL_INNOCENT_CONTEXT_RESET; };
-    try {
-        renderer_.sync(scene_);
-        ADD_FAILURE() << "no error";
-    } catch (const std::runtime_error& error) {
-        EXPECT_NE(std::string(error.what()).find("reset, caused by another program"), std::string::npos);
-        EXPECT_NE(std::string(error.what()).find("LIBGL_ALWAYS_SOFTWARE"), std::string::npos);
-    }
+    EXPECT_THAT(test::error_of<std::runtime_error>([&] { renderer_.sync(scene_); }),
+                ::testing::AllOf(::testing::HasSubstr("reset, caused by another program"),
+                                 ::testing::HasSubstr("LIBGL_ALWAYS_SOFTWARE")));
     epoxy_glGetGraphicsResetStatus = driver;
     EXPECT_NO_THROW(renderer_.sync(scene_));
 }

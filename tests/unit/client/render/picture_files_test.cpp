@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <gtest/gtest.h>
-
-#include <unistd.h>
+#include <gmock/gmock.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,18 +12,14 @@
 #include "client/render/image.hpp"
 #include "client/render/video.hpp"
 #include "client/render/views/camera.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti {
 namespace {
 
-class PictureFiles : public ::testing::Test {
+class PictureFiles : public test::ScratchFolderTest {
   protected:
-    void SetUp() override {
-        folder_ = std::filesystem::temp_directory_path() / ("eti_pictures_" + std::to_string(::getpid()));
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
     static render::Image gradient(int width, int height, std::uint8_t blue) {
         render::Image image{width, height, {}};
         for (int y = 0; y < height; ++y) {
@@ -36,14 +30,12 @@ class PictureFiles : public ::testing::Test {
         }
         return image;
     }
-
-    std::filesystem::path folder_;
 };
 
 TEST_F(PictureFiles, PngRoundTrips) {
     const render::Image image = gradient(64, 48, 200);
-    render::write_png(image, folder_ / "a.png");
-    const cv::Mat read = cv::imread((folder_ / "a.png").string(), cv::IMREAD_COLOR);
+    render::write_png(image, folder / "a.png");
+    const cv::Mat read = cv::imread((folder / "a.png").string(), cv::IMREAD_COLOR);
     ASSERT_EQ(read.cols, 64);
     ASSERT_EQ(read.rows, 48);
     const auto pixel = read.at<cv::Vec3b>(20, 10);  // row 20, column 10; blue, green, red
@@ -51,16 +43,13 @@ TEST_F(PictureFiles, PngRoundTrips) {
 }
 
 TEST_F(PictureFiles, PngErrorNamesMissingFolder) {
-    try {
-        render::write_png(gradient(8, 8, 0), folder_ / "missing" / "a.png");
-        FAIL() << "no error";
-    } catch (const std::runtime_error& error) {
-        EXPECT_NE(std::string(error.what()).find("missing/a.png"), std::string::npos) << error.what();
-    }
+    EXPECT_THAT(test::error_of<std::runtime_error>(
+                    [&] { render::write_png(gradient(8, 8, 0), folder / "missing" / "a.png"); }),
+                ::testing::HasSubstr("missing/a.png"));
 }
 
 TEST_F(PictureFiles, VideoKeepsFramesAndRate) {
-    const auto file = folder_ / "run.mp4";
+    const auto file = folder / "run.mp4";
     {
         render::Video video(file, 15.0, 64, 48);
         for (int i = 0; i < 10; ++i) {
@@ -83,7 +72,7 @@ TEST_F(PictureFiles, VideoKeepsFramesAndRate) {
 }
 
 TEST_F(PictureFiles, VideoInMissingFolderIsRejected) {
-    EXPECT_THROW(render::Video(folder_ / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
+    EXPECT_THROW(render::Video(folder / "missing" / "a.mp4", 15.0, 64, 48), std::runtime_error);
 }
 
 TEST(Camera, PoseLooksAlongMinusZ) {

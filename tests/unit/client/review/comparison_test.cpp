@@ -3,7 +3,6 @@
 #include "client/review/comparison.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,21 +13,15 @@
 #include "client/review/study/ratings.hpp"
 #include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::review {
 namespace {
 
-class Study : public ::testing::Test {
+class Study : public test::ScratchFolderTest {
   protected:
-    Study() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_study_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-    }
-    ~Study() override { std::filesystem::remove_all(folder); }
-
     /// A session of three steps whose run took `time` with that force on the gum; without `ends` it is cut
     /// off.
     std::filesystem::path session(const std::string& name, const std::string& participant, double time,
@@ -70,15 +63,8 @@ class Study : public ::testing::Test {
     }
 
     std::string refusal(const GroupFiles& files, bool paired = false) const {
-        try {
-            (void)compared(files, paired);
-        } catch (const ComparisonError& error) {
-            return error.what();
-        }
-        return "";
+        return eti::test::error_of<ComparisonError>([&] { (void)compared(files, paired); });
     }
-
-    std::filesystem::path folder;
 };
 
 TEST_F(Study, GroupsHaveMeansDeviationsAndDifferences) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "client/text/catalogue.hpp"
 #include "common/scenario/data_file.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::review {
@@ -20,17 +20,8 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* hostile = "</script><script>alert(1)</script><!--";
 
-class Report : public ::testing::Test {
+class Report : public test::ScratchFolderTest {
   protected:
-    Report() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_report_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "run.eti.h5";
-    }
-    ~Report() override { std::filesystem::remove_all(folder); }
-
     template <class Change>
     void record(std::uint64_t steps, const Change& change,
                 const std::vector<session::SummaryRecord>& summaries = {}) const {
@@ -58,8 +49,7 @@ class Report : public ::testing::Test {
         return session_json(session::SessionReader(path), summarise(path));
     }
 
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "run.eti.h5";
 };
 
 TEST_F(Report, TimelineKeepsSingleStepPeaks) {

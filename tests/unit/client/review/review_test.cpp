@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -11,22 +10,15 @@
 #include "client/review/export.hpp"
 #include "client/review/summary.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::review {
 namespace {
 
-class Review : public ::testing::Test {
+class Review : public test::ScratchFolderTest {
   protected:
-    Review() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_review_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "run.eti.h5";
-    }
-    ~Review() override { std::filesystem::remove_all(folder); }
-
     void record(std::uint64_t steps, const std::vector<session::SummaryRecord>& summaries,
                 const std::string& event = "began") const {
         session::SessionWriter writer(path, session::sample::info(), session::sample::scene(), {});
@@ -40,8 +32,7 @@ class Review : public ::testing::Test {
         EXPECT_TRUE(writer.close());
     }
 
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "run.eti.h5";
 };
 
 session::SummaryRecord attempt(std::uint32_t number, double gum_force) {
@@ -230,14 +221,12 @@ TEST_F(Review, StoppedExportLeavesOnlyCompleteFiles) {
 TEST_F(Review, ExportErrorNamesUnwritableFolder) {
     record(10, {});
     std::ofstream(folder / "csv") << "a file where the folder should be";
-    try {
-        export_csv(
-            path, folder / "csv", [](const auto&) {}, [] { return false; });
-        FAIL();
-    } catch (const std::runtime_error& error) {
-        EXPECT_EQ(error.what(), (folder / "csv").string() +
-                                    ": cannot create the folder: Not a directory; choose another with --out");
-    }
+    EXPECT_EQ(
+        eti::test::error_of<std::runtime_error>([&] {
+            export_csv(
+                path, folder / "csv", [](const auto&) {}, [] { return false; });
+        }),
+        (folder / "csv").string() + ": cannot create the folder: Not a directory; choose another with --out");
 }
 
 }  // namespace

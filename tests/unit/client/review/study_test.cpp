@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include "client/review/study/study.hpp"
 #include "common/scenario/data_file.hpp"
+#include "tests/support/error_of.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -21,12 +22,7 @@ class StudyFile : public ::testing::Test {
         return load_study(file);
     }
     std::string refusal(const std::string& text) const {
-        try {
-            (void)load(text);
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return "";
+        return eti::test::error_of<InputError>([&] { (void)load(text); });
     }
     std::filesystem::path file =
         std::filesystem::temp_directory_path() / ("eti_study_file_" + std::to_string(::getpid()) + ".yaml");

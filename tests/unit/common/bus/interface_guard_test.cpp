@@ -10,6 +10,7 @@
 #include "common/bus/transport.hpp"
 #include "common/process/guard.hpp"
 #include "tests/support/bus_domain.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti::bus {
 namespace {
@@ -80,12 +81,7 @@ TEST(InterfaceGuard, InterfaceIsFoundByNameOrAddress) {
 
 TEST(InterfaceGuard, FaultsNameTheirRemedy) {
     const auto fault = [](const Options& options) -> std::string {
-        try {
-            (void)only_addresses(options);
-        } catch (const BusError& error) {
-            return error.what();
-        }
-        return "";
+        return eti::test::error_of<BusError>([&] { (void)only_addresses(options); });
     };
     EXPECT_THAT(fault({.network = true, .interface = "wg77"}),
                 AllOf(HasSubstr("--interface wg77"), HasSubstr("wg-quick up wg77")));

@@ -11,6 +11,7 @@
 #include "common/bus/bus.hpp"
 #include "common/process/guard.hpp"
 #include "tests/support/bus_domain.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace eti::bus {
@@ -54,12 +55,7 @@ TEST(Transport, Ipv6AddressIsRefusedWithRemedy) {
     const auto refusal = [](const auto& set) -> std::string {
         Options options = test::bus_options("eti-client", "test");
         set(options);
-        try {
-            const Node node(options);
-        } catch (const BusError& error) {
-            return error.what();
-        }
-        return "no BusError";
+        return eti::test::error_of<BusError>([&] { const Node node(options); });
     };
     for (const char* const address : {"::1", "fe80::1%eth0", "[2001:db8::1]"}) {
         EXPECT_THAT(refusal([&](Options& options) { options.peers = {address}; }),

@@ -8,6 +8,7 @@
 #include "common/math/units.hpp"
 #include "common/operator/operator.hpp"
 #include "common/scenario/data_file.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti {
 namespace {
@@ -15,12 +16,7 @@ namespace {
 const std::string stage = "laryngoscope:\n  - stage: first\n";
 
 std::string refusal(const std::string& text) {
-    try {
-        (void)parse_operator(text, "hand.yaml");
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
+    return test::error_of<InputError>([&] { (void)parse_operator(text, "hand.yaml"); });
 }
 
 bool says(const std::string& message, std::initializer_list<const char*> words) {

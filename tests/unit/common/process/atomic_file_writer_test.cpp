@@ -15,19 +15,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class AtomicFileWriterTest : public test::ScratchFolder {
+class AtomicFileWriterTest : public test::ScratchFolderTest {
   protected:
     static std::string text_of(const fs::path& file) {
         std::ifstream in(file);
         return {std::istreambuf_iterator<char>(in), {}};
     }
     [[nodiscard]] std::ptrdiff_t entries() const {
-        return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+        return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
     }
 };
 
 TEST_F(AtomicFileWriterTest, FinishedFileReplacesTheOldOne) {
-    const fs::path name = folder_ / "a";
+    const fs::path name = folder / "a";
     std::ofstream(name) << "old";
     {
         AtomicFileWriter file(name);
@@ -40,7 +40,7 @@ TEST_F(AtomicFileWriterTest, FinishedFileReplacesTheOldOne) {
 }
 
 TEST_F(AtomicFileWriterTest, UnfinishedWriteKeepsTheOldFile) {
-    const fs::path name = folder_ / "a";
+    const fs::path name = folder / "a";
     std::ofstream(name) << "old";
     {
         const AtomicFileWriter file(name);
@@ -51,11 +51,11 @@ TEST_F(AtomicFileWriterTest, UnfinishedWriteKeepsTheOldFile) {
 }
 
 TEST_F(AtomicFileWriterTest, WritesWholeFileOrReportsError) {
-    EXPECT_EQ(write_file_atomically(folder_ / "a", std::string("1\0 2", 4)), "");
-    EXPECT_EQ(text_of(folder_ / "a"), std::string("1\0 2", 4));
-    EXPECT_EQ(write_file_atomically(folder_ / "none" / "a", "x"), "No such file or directory");
-    EXPECT_EQ(write_file_atomically(folder_, "x"), "is a folder");
-    const fs::path pipe = folder_ / "pipe";
+    EXPECT_EQ(write_file_atomically(folder / "a", std::string("1\0 2", 4)), "");
+    EXPECT_EQ(text_of(folder / "a"), std::string("1\0 2", 4));
+    EXPECT_EQ(write_file_atomically(folder / "none" / "a", "x"), "No such file or directory");
+    EXPECT_EQ(write_file_atomically(folder, "x"), "is a folder");
+    const fs::path pipe = folder / "pipe";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
     EXPECT_EQ(write_file_atomically(pipe, "x"), "is a pipe");
     EXPECT_TRUE(fs::is_fifo(pipe));

@@ -2,32 +2,29 @@
 // Copyright the NeoETI authors
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "common/scenario/scenario.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti {
 namespace {
 
 namespace fs = std::filesystem;
 
-class DataFile : public testing::Test {
+class DataFile : public test::ScratchFolderTest {
   protected:
-    DataFile() : folder_(fs::temp_directory_path() / ("eti-data-" + std::to_string(getpid()))) {
-        fs::create_directories(folder_ / "scenarios");
-        setenv("ETI_DATA", folder_.c_str(), 1);
+    DataFile() {
+        fs::create_directories(folder / "scenarios");
+        setenv("ETI_DATA", folder.c_str(), 1);
     }
-    ~DataFile() override {
-        unsetenv("ETI_DATA");
-        fs::remove_all(folder_);
-    }
+    ~DataFile() override { unsetenv("ETI_DATA"); }
 
     fs::path write(const fs::path& name, const std::string& text) const {
-        const fs::path file = folder_ / name;
+        const fs::path file = folder / name;
         std::ofstream(file) << text;
         return file;
     }
@@ -39,8 +36,6 @@ class DataFile : public testing::Test {
             return error.what();
         }
     }
-
-    fs::path folder_;
 };
 
 TEST_F(DataFile, PathIsTakenAsGiven) {
@@ -60,7 +55,7 @@ TEST_F(DataFile, UnknownNameListsFoldersAndCandidates) {
     write("scenarios/mine.yaml", "{}\n");
     const std::string message = refusal("nobody");
     for (const std::string& said :
-         {std::string("nobody"), (folder_ / "scenarios").string(), std::string("mine"), std::string("term"),
+         {std::string("nobody"), (folder / "scenarios").string(), std::string("mine"), std::string("term"),
           std::string("premature_enhanced")}) {
         EXPECT_NE(message.find(said), std::string::npos) << "no '" << said << "' in: " << message;
     }
@@ -75,7 +70,7 @@ TEST_F(DataFile, NamesCannotEscapeTheirFolder) {
 
 TEST_F(DataFile, NonRegularFileIsRefused) {
     for (const std::string& path :
-         {folder_.string(), std::string("/dev/zero"), (folder_ / "absent.yaml").string()}) {
+         {folder.string(), std::string("/dev/zero"), (folder / "absent.yaml").string()}) {
         EXPECT_NE(refusal(path).find(path), std::string::npos);
         EXPECT_THROW((void)load_scenario(path), InputError) << path;
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/scenario/scenario.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti {
 namespace {
@@ -87,12 +88,8 @@ std::vector<std::pair<std::string, std::string>> hostile() {
 TEST(HostileScenario, IsRefusedBrieflyAndQuickly) {
     for (const auto& [name, text] : hostile()) {
         const std::clock_t begin = std::clock();
-        std::string message;
-        try {
-            (void)parse_scenario(text, "evil.yaml");
-        } catch (const InputError& error) {
-            message = error.what();
-        }
+        const std::string message =
+            test::error_of<InputError>([&] { (void)parse_scenario(text, "evil.yaml"); });
         const double took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;  // processor time
         EXPECT_EQ(message.rfind("evil.yaml", 0), 0u) << name << ": " << message;
         EXPECT_LT(message.size(), 1000u) << name << " is shown whole";

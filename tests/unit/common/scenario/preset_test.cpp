@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/math/units.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti {
 namespace {
@@ -19,12 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string preset_refusal(const std::string& text) {
-    try {
-        (void)parse_preset(text, "hard.yaml");
-        return "taken";
-    } catch (const InputError& error) {
-        return error.what();
-    }
+    return test::error_of<InputError>([&] { (void)parse_preset(text, "hard.yaml"); });
 }
 
 TEST(Preset, ConvertsTypedValuesToSi) {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/math/units.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti {
 namespace {
@@ -20,12 +21,7 @@ Scenario read(const std::string& text) {
 }
 
 std::string scenario_refusal(const std::string& text) {
-    try {
-        (void)read(text);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
+    return test::error_of<InputError>([&] { (void)read(text); });
 }
 
 testing::AssertionResult refused(const std::string& text, std::initializer_list<const char*> words) {
@@ -192,12 +188,7 @@ TEST(Scenario, ModelPathIsRelativeAndFixesTheShape) {
 TEST(Scenario, MissingModelIsNamedWithItsLine) {
     const std::string file = testing::TempDir() + "eti_scenario_without_its_model.yaml";
     std::ofstream(file) << "name: baby\npatient:\n  model: no/such/model.h5\n";
-    std::string message;
-    try {
-        (void)load_scenario(file);
-    } catch (const InputError& error) {
-        message = error.what();
-    }
+    const std::string message = test::error_of<InputError>([&] { (void)load_scenario(file); });
     for (const std::string& word :
          {file + ":3", std::string("patient.model"), testing::TempDir() + "no/such/model.h5",
           std::string("nothing"), std::string("eti-anatomy build")}) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "common/scenario/scenario.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti {
 namespace {
@@ -14,12 +15,7 @@ using ::testing::HasSubstr;
 
 template <class Wish>
 std::string setting_refusal(const Wish& wish) {
-    try {
-        (void)wish();
-        return "taken";
-    } catch (const InputError& error) {
-        return error.what();
-    }
+    return test::error_of<InputError>([&] { (void)wish(); });
 }
 
 TEST(Setting, RuntimeParameterIsStoredInSi) {

@@ -3,7 +3,6 @@
 #include "common/session/opinions.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -14,19 +13,15 @@
 #include "common/session/reader.hpp"
 #include "common/session/repair/check.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::session {
 namespace {
 
-class Opinions : public ::testing::Test {
+class Opinions : public test::ScratchFolderTest {
   protected:
     Opinions() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_opinions_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "run.eti.h5";
         SessionInfo info = sample::info();
         info.session = "ward-seven";
         info.more = {{participant_text, "Grace Hopper"},
@@ -56,14 +51,13 @@ class Opinions : public ::testing::Test {
         writer.push(run);
         EXPECT_TRUE(writer.close());
     }
-    ~Opinions() override { std::filesystem::remove_all(folder); }
 
     [[nodiscard]] std::string bytes(const std::filesystem::path& of) const {
         std::ifstream file(of, std::ios::binary);
         return {std::istreambuf_iterator<char>(file), {}};
     }
 
-    std::filesystem::path folder, path;
+    const std::filesystem::path path = folder / "run.eti.h5";
 };
 
 TEST_F(Opinions, RatingsAndAnswersAreReplaceable) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,25 +15,17 @@
 #include "common/session/repair/damage.hpp"
 #include "common/session/repair/superblock.hpp"
 #include "common/session/writer.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/common/session/sample.hpp"
 
 namespace eti::session {
 namespace {
 
-class Session : public ::testing::Test {
+class Session : public test::ScratchFolderTest {
   protected:
-    Session() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_session_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "run.eti.h5";
-    }
-    ~Session() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "run.eti.h5";
 };
 
 /// Records `steps` steps with a deformation every twelfth and a few of each other record.
@@ -66,7 +58,7 @@ void record(const std::filesystem::path& path, std::uint64_t steps) {
 /// Bit for bit, so that NaN equals itself.
 bool same(const StepRecord& a, const StepRecord& b) {
     bool equal = a.tube_nodes == b.tube_nodes;
-    step_columns(0, [&](const std::string&, const hdf5::Label&, auto field, std::size_t) {
+    step_columns(0)([&](const std::string&, const hdf5::Label&, auto field, std::size_t) {
         using Field = std::decay_t<decltype(field(a))>;
         if constexpr (!std::is_same_v<Field, std::vector<Vec3f>>) {
             std::vector<std::byte> left(Cell<Field>::bytes(0)), right(left.size());
@@ -431,13 +423,11 @@ TEST_F(Session, ExistingAndUnwritablePathsAreRefused) {
     std::ofstream(path) << "precious";
     EXPECT_THROW(SessionWriter(path, sample::info(), sample::scene(), {}), hdf5::Error);
     EXPECT_EQ(std::filesystem::file_size(path), 8u);
-    try {
-        const SessionWriter writer(folder / "missing" / "run.eti.h5", sample::info(), sample::scene(), {});
-        FAIL();
-    } catch (const hdf5::Error& error) {
-        EXPECT_NE(std::string(error.what()).find("No such file or directory"), std::string::npos)
-            << error.what();
-    }
+    EXPECT_THAT(eti::test::error_of<hdf5::Error>([&] {
+                    const SessionWriter writer(folder / "missing" / "run.eti.h5", sample::info(),
+                                               sample::scene(), {});
+                }),
+                ::testing::HasSubstr("No such file or directory"));
 }
 
 TEST_F(Session, TextsAreCutBetweenCharacters) {
@@ -453,12 +443,7 @@ TEST_F(Session, TextsAreCutBetweenCharacters) {
 
 TEST_F(Session, ForeignFilesAreRefusedByName) {
     const auto refusal = [&] {
-        try {
-            const SessionReader reader(path);
-        } catch (const hdf5::Error& error) {
-            return std::string(error.what());
-        }
-        return std::string("accepted");
+        return eti::test::error_of<hdf5::Error>([&] { const SessionReader reader(path); });
     };
     EXPECT_NE(refusal().find("no such file"), std::string::npos) << refusal();
     EXPECT_EQ(refusal().find("--repair"), std::string::npos) << "what is not there cannot be mended";

@@ -11,6 +11,7 @@
 
 #include "devices/calibration/calibrated_sensor.hpp"
 #include "devices/calibration/point_file.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti::devices {
 namespace {
@@ -24,12 +25,7 @@ class CalibrationFile : public ::testing::Test {
     void write(const std::string& text) const { std::ofstream(file_) << text; }
     template <class Load>
     [[nodiscard]] std::string refusal(Load load) const {
-        try {
-            (void)load(file_);
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return "accepted";
+        return test::error_of<InputError>([&] { (void)load(file_); });
     }
     std::filesystem::path file_ =
         testing::TempDir() + "eti_calibration_" + std::to_string(::getpid()) + ".yaml";

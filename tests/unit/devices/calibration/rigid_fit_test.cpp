@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "common/math/random.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti::devices {
 namespace {
@@ -37,12 +38,7 @@ std::vector<PointPair> box() {
 }
 
 std::string refusal(const std::vector<PointPair>& pairs) {
-    try {
-        (void)fit_robustly(pairs);
-    } catch (const CalibrationError& error) {
-        return error.what();
-    }
-    return "fitted";
+    return test::error_of<CalibrationError>([&] { (void)fit_robustly(pairs); });
 }
 
 double apart(const Isometry3d& a, const Isometry3d& b) {
@@ -196,12 +192,7 @@ TEST(PivotFit, FindsTheTip) {
 }
 
 std::string pivot_refusal(const std::vector<Isometry3d>& poses) {
-    try {
-        (void)fit_pivot(poses);
-    } catch (const CalibrationError& error) {
-        return error.what();
-    }
-    return "";
+    return test::error_of<CalibrationError>([&] { (void)fit_pivot(poses); });
 }
 
 TEST(PivotFit, ATipThatSlippedIsRefused) {

@@ -41,6 +41,14 @@ class EngagedRenderer : public ::testing::Test {
         }
         return renderer_.cycle(device_, scene_, now_, renderer_dt);
     }
+    /// Advances by that many cycles, each with a message; returns the last force.
+    Wrench advance(int count) {
+        Wrench wrench;
+        for (int i = 0; i < count; ++i) {
+            wrench = cycle();
+        }
+        return wrench;
+    }
 
     RenderSettings settings_;
     ForceRenderer renderer_{settings_};
@@ -54,19 +62,13 @@ TEST_F(EngagedRenderer, TheCouplingsSpringIsFelt) {
     scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
     scene_.proxy.normals[0] = Vec3f::UnitY();
     scene_.proxy.contacts = 1;
-    Wrench wrench;
-    for (int i = 0; i < 20; ++i) {
-        wrench = cycle();
-    }
+    const Wrench wrench = advance(20);
     EXPECT_LT((wrench.force - Vec3f(0, 1.6f, 0)).norm(), 1e-5f);
 }
 
 TEST_F(EngagedRenderer, TheTissuesForceIsFeltInNewtons) {
     scene_.tissue.wrench = {{1.0f, 0.5f, 0}, {0, 0.02f, 0}};
-    Wrench wrench;
-    for (int i = 0; i < settled; ++i) {
-        wrench = cycle();
-    }
+    const Wrench wrench = advance(settled);
     EXPECT_LT((wrench.force - Vec3f(1.0f, 0.5f, 0)).norm(), 1e-6f);
     EXPECT_LT((wrench.torque - Vec3f(0, 0.02f, 0)).norm(), 1e-7f);
 }
@@ -112,9 +114,7 @@ TEST_F(EngagedRenderer, NonFiniteForceDisengagesImmediately) {
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         SetUp();
         scene_.tissue.wrench.force = {2.0f, 0, 0};
-        for (int i = 0; i < settled; ++i) {
-            (void)cycle();
-        }
+        advance(settled);
         ASSERT_GT(cycle().force.norm(), 1.9f);
         const auto before = renderer_.not_finite();
         scene_.tissue.wrench.force.y() = bad;
@@ -125,9 +125,7 @@ TEST_F(EngagedRenderer, NonFiniteForceDisengagesImmediately) {
             ASSERT_EQ(cycle().force.norm(), 0.0f) << "it came back without a quiet device";
         }
         scene_.tissue.wrench.force = Vec3f::Zero();
-        for (int i = 0; i < settled; ++i) {
-            (void)cycle();
-        }
+        advance(settled);
     }
 }
 
@@ -141,9 +139,7 @@ TEST_F(EngagedRenderer, LateCycleDoesNotExceedRateLimit) {
 
 TEST_F(EngagedRenderer, StalledLoopRestartsWithTheRamp) {
     scene_.tissue.wrench.force = {5.0f, 0, 0};
-    for (int i = 0; i < settled; ++i) {
-        (void)cycle();
-    }
+    advance(settled);
     ASSERT_GT(cycle().force.norm(), 4.9f);
     now_ += 500 * ms_in_ns;
     scene_.proxy_arrived = scene_.tissue_arrived = now_;
@@ -153,17 +149,13 @@ TEST_F(EngagedRenderer, StalledLoopRestartsWithTheRamp) {
                   5.01f * static_cast<float>(i + 1) * renderer_dt / settings_.safety.return_time)
             << i;
     }
-    for (int i = 0; i < 600; ++i) {
-        (void)cycle();
-    }
+    advance(600);
     EXPECT_GT(cycle().force.norm(), 4.9f);
 }
 
 TEST_F(EngagedRenderer, MessageNewerThanTheCycleIsFresh) {
     scene_.tissue.wrench.force = {2.0f, 0, 0};
-    for (int i = 0; i < settled; ++i) {
-        (void)cycle();
-    }
+    advance(settled);
     now_ += ms_in_ns;
     scene_.proxy_arrived = scene_.tissue_arrived = now_ + 1000;
     EXPECT_GT(renderer_.cycle(device_, scene_, now_, renderer_dt).force.norm(), 1.9f);
@@ -182,9 +174,7 @@ TEST_F(EngagedRenderer, TorqueCountsAsNotQuiet) {
 
 TEST_F(EngagedRenderer, SilenceHoldsTheForceThenFadesItBy300ms) {
     scene_.tissue.wrench.force = {settings_.coupling.force_limit, 0, 0};
-    for (int i = 0; i < 50; ++i) {
-        (void)cycle();
-    }
+    advance(50);
     Wrench last = cycle();
     const float all = settings_.coupling.force_limit;
     ASSERT_NEAR(last.force.norm(), all, 1e-3f);
@@ -235,9 +225,7 @@ class RendererOnFloor : public EngagedRenderer {
         scene_.proxy.proxy.pose.translation = {0, 2e-3f, 0};
         scene_.proxy.normals[0] = Vec3f::UnitY();
         scene_.proxy.contacts = 1;
-        for (int i = 0; i < 20; ++i) {
-            (void)cycle();
-        }
+        advance(20);
         ASSERT_NEAR(cycle().force.y(), 1.6f, 1e-4f);
     }
     float silent(float y, int cycles) {
@@ -278,9 +266,7 @@ TEST_F(RendererOnFloor, RemovedFloorIsReleasedAtRateLimit) {
     (void)silent(0.0f, 60);
     scene_.proxy.contacts = 0;
     scene_.proxy.proxy.pose.translation.y() = 0.0f;
-    for (int i = 0; i < 3; ++i) {
-        (void)cycle();
-    }
+    advance(3);
     EXPECT_EQ(cycle().force.norm(), 0.0f);
 }
 
@@ -320,9 +306,7 @@ TEST_F(EngagedRenderer, ContactMadeDuringAGapRampsIn) {
 // more than its share of the step.
 TEST_F(EngagedRenderer, ServerUpdatesCauseNoForceSteps) {
     scene_.tissue.wrench.force = {2.0f, 0, 0};
-    for (int i = 0; i < 50; ++i) {
-        (void)cycle();
-    }
+    advance(50);
     Wrench last = cycle();
     float most = 0.0f;
     for (int i = 0; i < 600; ++i) {
@@ -345,17 +329,13 @@ TEST_F(EngagedRenderer, ServerUpdatesCauseNoForceSteps) {
 
 TEST_F(EngagedRenderer, ReleaseRequiresQuietBeforeTheRamp) {
     scene_.tissue.wrench.force = {3.0f, 0, 0};
-    for (int i = 0; i < 50; ++i) {
-        (void)cycle();
-    }
+    advance(50);
     renderer_.release();
     for (int i = 0; i < 200; ++i) {
         ASSERT_EQ(cycle().force.norm(), 0.0f);
     }
     scene_.tissue.wrench.force = Vec3f::Zero();
-    for (int i = 0; i < 60; ++i) {
-        (void)cycle();
-    }
+    advance(60);
     scene_.tissue.wrench.force = {3.0f, 0, 0};
     EXPECT_LT(cycle().force.norm(), 1.0f);
 }
@@ -366,9 +346,7 @@ TEST_F(EngagedRenderer, PassivityDoesNotOpposeTheRamp) {
     scene_.tissue.wrench.force = {5.0f, 0, 0};
     renderer_.release();
     scene_.tissue.wrench.force = Vec3f::Zero();
-    for (int i = 0; i < 100; ++i) {
-        (void)cycle();
-    }
+    advance(100);
     scene_.tissue.wrench.force = {5.0f, 0, 0};
     for (int i = 0; i < 200; ++i) {
         device_.velocity = {0.01f, 0, 0};
@@ -388,10 +366,7 @@ TEST_F(EngagedRenderer, TubeRendersOnlyItsOwnForce) {
     scene_.proxy.proxy.pose.translation = {0, 5e-3f, 0};  // of the blade: irrelevant for the tube
     scene_.proxy.device.translation = {1, 1, 1};
     scene_.tissue.wrench = {{0, 0, -0.8f}, {0.01f, 0, 0}};
-    Wrench wrench;
-    for (int i = 0; i < settled; ++i) {
-        wrench = cycle();
-    }
+    const Wrench wrench = advance(settled);
     EXPECT_LT((wrench.force - Vec3f(0, 0, -0.8f)).norm(), 1e-6f);
     EXPECT_LT((wrench.torque - Vec3f(0.01f, 0, 0)).norm(), 1e-7f);
 }
@@ -406,10 +381,7 @@ TEST_F(EngagedRenderer, TubeForceIgnoresBladeContact) {
     scene_.proxy.normals[0] = Vec3f::UnitY();
     scene_.proxy.contact_centre = {0, 0.03f, 0};
     scene_.tissue.wrench = {{0, 0, -0.8f}, {0.05f, 0, 0}};
-    Wrench wrench;
-    for (int i = 0; i < settled; ++i) {
-        wrench = cycle();
-    }
+    const Wrench wrench = advance(settled);
     EXPECT_LT((wrench.force - Vec3f(0, 0, -0.8f)).norm(), 1e-6f);
     EXPECT_EQ(wrench.torque.norm(), 0.0f);
 }
@@ -423,9 +395,7 @@ TEST_F(EngagedRenderer, WithoutTorqueEnergyIsTakenAtTheGimbal) {
     renderer_ = ForceRenderer(settings_);
     SetUp();
     scene_.tissue.wrench.force = {0, 0, 2.0f};
-    for (int i = 0; i < settled; ++i) {
-        (void)cycle();
-    }
+    advance(settled);
     const double before = renderer_.passivity().stored();
     for (int i = 1; i <= 200; ++i) {
         device_.pose.rotation = quaternion_from({1e-3f * static_cast<float>(i), 0, 0});
@@ -446,10 +416,7 @@ TEST_F(EngagedRenderer, WithoutTorqueTheGumIsFeltAtTheGimbal) {
     scene_.proxy.proxy.pose.rotation = quaternion_from({0.1f, 0, 0});
     scene_.proxy.normals[0] = Vec3f::UnitY();
     scene_.proxy.contacts = 1;
-    Wrench wrench;
-    for (int i = 0; i < 40; ++i) {
-        wrench = cycle();
-    }
+    const Wrench wrench = advance(40);
     EXPECT_LT((wrench.force - Vec3f(0, 0, 2.5f)).norm(), 0.01f) << wrench.force;
     EXPECT_EQ(wrench.torque.norm(), 0.0f);
 }

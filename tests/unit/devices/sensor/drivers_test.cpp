@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/error_of.hpp"
+
 namespace eti::devices {
 namespace {
 
@@ -12,12 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 std::string driver_refusal(std::string_view name, DeviceRole role) {
-    try {
-        (void)find_driver(name, role);
-    } catch (const DeviceError& error) {
-        return error.what();
-    }
-    return "accepted";
+    return test::error_of<DeviceError>([&] { (void)find_driver(name, role); });
 }
 
 TEST(Drivers, EveryDriverOpensOrExplainsItsFailure) {

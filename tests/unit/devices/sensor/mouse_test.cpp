@@ -4,7 +4,7 @@
 // The window on a virtual display, driven by the events of a real X server.
 #include "devices/sensor/input/mouse.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <array>
 #include <cstdlib>
@@ -13,6 +13,7 @@
 #include "close_window.hpp"
 #include "common/device/held_tool.hpp"
 #include "common/math/units.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/virtual_display.hpp"
 #include "vendor_fixture.hpp"
 
@@ -108,12 +109,7 @@ TEST_F(MouseDriver, PointerJumpMovesAtHandSpeed) {
 TEST(Mouse, MissingDisplayErrorNamesTheVariable) {
     ::unsetenv("DISPLAY");
     ::unsetenv("WAYLAND_DISPLAY");
-    try {
-        (void)open_mouse({});
-        FAIL() << "opened";
-    } catch (const DeviceError& error) {
-        EXPECT_NE(std::string(error.what()).find("DISPLAY"), std::string::npos) << error.what();
-    }
+    EXPECT_THAT(test::error_of<DeviceError>([&] { (void)open_mouse({}); }), ::testing::HasSubstr("DISPLAY"));
 }
 
 }  // namespace

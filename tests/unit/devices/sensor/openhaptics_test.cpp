@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "devices/sensor/device_error.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/unit/devices/sensor/stand_in/openhaptics.hpp"
 #include "vendor_fixture.hpp"
 
@@ -15,12 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::string openhaptics_refusal(const SensorSetup& setup) {
-    try {
-        (void)open_openhaptics(setup);
-    } catch (const DeviceError& error) {
-        return error.what();
-    }
-    return "opened";
+    return test::error_of<DeviceError>([&] { (void)open_openhaptics(setup); });
 }
 
 /// The cycle of a haptic loop: exchanges through a monitor, in the calling thread.

@@ -12,6 +12,7 @@
 #include "devices/sensor/device_error.hpp"
 #include "devices/sensor/input/gamepad.hpp"
 #include "devices/sensor/input/keyboard.hpp"
+#include "tests/support/error_of.hpp"
 #include "vendor_fixture.hpp"
 
 namespace eti::devices {
@@ -88,12 +89,7 @@ TEST_F(GamepadDriver, ReconnectsAfterUnplugging) {
 TEST(Gamepad, AMissingFileIsNamed) {
     SensorSetup setup;
     setup.source = "/nowhere/js0";
-    try {
-        (void)open_gamepad(setup);
-        FAIL() << "opened";
-    } catch (const DeviceError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("/nowhere/js0"));
-    }
+    EXPECT_THAT(test::error_of<DeviceError>([&] { (void)open_gamepad(setup); }), HasSubstr("/nowhere/js0"));
 }
 
 /// What a child with its own terminal received of the typed keys, as its exit status.

@@ -7,6 +7,7 @@
 
 #include "common/math/units.hpp"
 #include "devices/sensor/device_error.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/unit/devices/sensor/stand_in/spacenav.hpp"
 #include "vendor_fixture.hpp"
 
@@ -96,12 +97,8 @@ TEST(SpacenavLibrary, MissingDaemonErrorNamesIt) {
     state.daemon = false;
     SensorSetup setup;
     setup.library = STAND_IN_SPACENAV;
-    try {
-        (void)open_spacenav(setup);
-        FAIL() << "opened";
-    } catch (const DeviceError& error) {
-        EXPECT_THAT(error.what(), HasSubstr("spacenavd is not running"));
-    }
+    EXPECT_THAT(test::error_of<DeviceError>([&] { (void)open_spacenav(setup); }),
+                HasSubstr("spacenavd is not running"));
     state.daemon = true;
 }
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "devices/sensor/device_error.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/unit/devices/sensor/stand_in/trakstar.hpp"
 #include "vendor_fixture.hpp"
 
@@ -119,12 +120,7 @@ TEST(TrakstarLibrary, MissingOrWrongLibraryNamesTheRemedy) {
         SensorSetup setup;
         setup.library = library;
         setup.source = source;
-        try {
-            (void)open_trakstar(setup);
-        } catch (const DeviceError& error) {
-            return error.what();
-        }
-        return "opened";
+        return test::error_of<DeviceError>([&] { (void)open_trakstar(setup); });
     };
     EXPECT_THAT(refusal("", ""), HasSubstr("3D Guidance API"));
     EXPECT_THAT(refusal(STAND_IN_OPENHAPTICS, ""), HasSubstr("InitializeBIRDSystem"));

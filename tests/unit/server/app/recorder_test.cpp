@@ -4,10 +4,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "common/session/reader.hpp"
 #include "common/session/repair/check.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/server/app/small_patient.hpp"
 
 namespace eti::app {
@@ -24,18 +24,12 @@ patient::Patient small_patient() {
     return patient;
 }
 
-class RecorderTest : public ::testing::Test {
+class RecorderTest : public test::ScratchFolderTest {
   protected:
     RecorderTest() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_recorder_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "run.eti.h5";
         snapshot.frames.resize(frame_count);
         snapshot.tube_nodes.assign(tube_nodes, Vec3f(1, 2, 3));
     }
-    ~RecorderTest() override { std::filesystem::remove_all(folder); }
 
     [[nodiscard]] Recorder recorder(bool saliva = false) const {
         session::SessionInfo info;
@@ -51,8 +45,7 @@ class RecorderTest : public ::testing::Test {
         snapshot.time_ns = number * 1'000'000'000 / 180;
     }
 
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "run.eti.h5";
     scene::Snapshot snapshot;
     metrics::LiveMetrics live;
 };

@@ -11,10 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "common/math/units.hpp"
 #include "common/model/landmark.hpp"
-#include "server/scene/scene.hpp"
 #include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 
 namespace eti::scene {
 namespace {
@@ -26,14 +25,10 @@ constexpr float largest_change = 12.0f;   // [N] per step, of the tissue's force
 /// Hands at rest beside the head, and a mouth to abuse.
 struct Hands {
     Laryngoscope scope = make_laryngoscope(Blade::miller_1);
-    Inputs away;
+    Inputs away = test::parked_tools(20.0f, 25.0f);
     Vec3f dorsum = Vec3f::Zero(), gum = Vec3f::Zero(), glottis = Vec3f::Zero();
 
     Hands() {
-        away.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-        away.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away.runtime_parameters.head_elevation = 20.0f * degree;
-        away.runtime_parameters.jaw_opening = 25.0f * degree;
         const Scene scene(test::coarse_newborn(), scope, Tube{}, away, {});
         dorsum = at(scene.snapshot().landmarks, Landmark::tongue_dorsum);
         gum = at(scene.snapshot().landmarks, Landmark::upper_gum);

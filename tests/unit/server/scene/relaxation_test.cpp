@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "common/math/units.hpp"
-#include "server/scene/scene.hpp"
 #include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 
 namespace eti::scene {
 namespace {
@@ -15,12 +15,6 @@ namespace {
 /// Blade on the tongue of a newborn whose stress relaxes: by method, and whether bones yield.
 class SceneRelaxationTest : public ::testing::TestWithParam<bool> {
   protected:
-    SceneRelaxationTest() {
-        away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-        away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.runtime_parameters.head_elevation = 20.0f * degree;
-        away_.runtime_parameters.jaw_opening = 15.0f * degree;
-    }
     [[nodiscard]] Scene make(bool relaxes = true) const {
         return {test::coarse_newborn(), scope_, Tube{}, away_,
                 Settings{.rigid = {}, .bones_yield = GetParam(), .relaxation = relaxes}};
@@ -29,9 +23,7 @@ class SceneRelaxationTest : public ::testing::TestWithParam<bool> {
     [[nodiscard]] Inputs pressing(float depth) const {
         static const Vec3f dorsum = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
         Inputs inputs = away_;
-        const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
-        const Vec3f tip = dorsum + Vec3f(0.0f, 0.0f, 6e-3f - depth);
-        inputs.laryngoscope = {turn, tip - turn * scope_.tip()};
+        inputs.laryngoscope = test::blade_with_tip_at(dorsum + Vec3f(0.0f, 0.0f, 6e-3f - depth), scope_);
         return inputs;
     }
     /// Presses within a third of a second and holds for four seconds; returns the force [N] of each step.
@@ -55,14 +47,12 @@ class SceneRelaxationTest : public ::testing::TestWithParam<bool> {
         return most;
     }
     Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
-    Inputs away_;
+    Inputs away_ = test::parked_tools(20.0f, 15.0f);
 };
 
 TEST_P(SceneRelaxationTest, UntouchedPatientSleeps) {
     Scene scene = make();
-    for (int k = 0; k < 60; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 60);
     EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
 }
 

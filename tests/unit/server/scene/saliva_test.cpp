@@ -8,11 +8,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "common/math/units.hpp"
 #include "server/app/run/patient_cache.hpp"
 #include "server/scene/posed_shell.hpp"
-#include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
+#include "tests/support/newborn_scene.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::scene {
@@ -172,9 +171,8 @@ TEST(Saliva, SuctionAtBladeTipRemovesIt) {
     // The tip at the pool's deepest point.
     const Vec3f deepest = *std::max_element(mouth.liquid().begin(), mouth.liquid().end(),
                                             [](const Vec3f& a, const Vec3f& b) { return a.y() < b.y(); });
-    const Laryngoscope scope = make_laryngoscope(Blade::miller_0);
-    const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
-    mouth.blade = {turn, deepest - Vec3f(0.0f, 2e-3f, 0.0f) - turn * scope.tip()};
+    mouth.blade =
+        test::blade_with_tip_at(deepest - Vec3f(0.0f, 2e-3f, 0.0f), make_laryngoscope(Blade::miller_0));
     mouth.step(1, 0.0f);
     EXPECT_EQ(mouth.saliva.fluid().aspirated(), 0u);
     const std::size_t before = mouth.liquid().size();
@@ -219,17 +217,11 @@ TEST(Saliva, BloodRunsFasterThanSaliva) {
 
 class SalivaInScene : public ::testing::Test {
   protected:
-    SalivaInScene() {
-        away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-        away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.runtime_parameters.head_elevation = 26.0f * degree;
-        away_.runtime_parameters.jaw_opening = 24.0f * degree;
-    }
     [[nodiscard]] Scene make(bool saliva) const {
         return {
             premature(), make_laryngoscope(Blade::miller_0), Tube{}, away_, {.rigid = {}, .saliva = saliva}};
     }
-    Inputs away_;
+    Inputs away_ = test::parked_tools(26.0f, 24.0f);
 };
 
 TEST_F(SalivaInScene, IsAbsentUnlessEnabled) {
@@ -244,9 +236,7 @@ TEST_F(SalivaInScene, SameBitsForAnyNumberOfThreads) {
     const auto run = [&](std::size_t threads) {
         return test::with_threads(threads, [&] {
             Scene scene = make(true);
-            for (int k = 0; k < 20; ++k) {
-                scene.step(away_);
-            }
+            test::hold(scene, away_, 20);
             return scene.state_hash();
         });
     };
@@ -259,9 +249,7 @@ TEST_F(SalivaInScene, ResetRestoresPool) {
     Scene scene = make(true);
     const std::vector<Vec3f> pool = scene.snapshot().saliva.positions;
     const auto run = [&] {
-        for (int k = 0; k < 10; ++k) {
-            scene.step(away_);
-        }
+        test::hold(scene, away_, 10);
         return scene.snapshot().saliva.positions;
     };
     const std::vector<Vec3f> first = run();
@@ -288,9 +276,7 @@ TEST_F(SalivaInScene, BloodChangesStateHash) {
     const auto hash = [&](LiquidKind kind) {
         Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, away_,
                     {.rigid = {}, .saliva = true, .liquid = kind});
-        for (int k = 0; k < 5; ++k) {
-            scene.step(away_);
-        }
+        test::hold(scene, away_, 5);
         return scene.state_hash();
     };
     EXPECT_NE(hash(LiquidKind::blood), hash(LiquidKind::saliva));
@@ -301,15 +287,11 @@ TEST_F(SalivaInScene, StandbyStaysDryUntilSecretionIsSet) {
     inputs.runtime_parameters.secretion = 0.0f;
     Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
                 {.rigid = {}, .saliva = true, .dry_start = true});
-    for (int k = 0; k < 20; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 20);
     EXPECT_TRUE(scene.snapshot().saliva.on);
     EXPECT_TRUE(scene.snapshot().saliva.positions.empty());
     inputs.runtime_parameters.secretion = 10.0f;
-    for (int k = 0; k < 2 * steps_per_second; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 2 * steps_per_second);
     EXPECT_NEAR(scene.snapshot().runtime_parameters.secretion, 10.0f, 1e-3f);
     // It takes two seconds to request ten times the flow, five more of it in each; each gland may be behind
     // by a particle. None has run out yet.
@@ -317,13 +299,9 @@ TEST_F(SalivaInScene, StandbyStaysDryUntilSecretionIsSet) {
     const double particle = std::pow(static_cast<double>(scene.snapshot().saliva.spacing), 3);
     EXPECT_NEAR(static_cast<double>(scene.snapshot().saliva.positions.size()), given / particle, 5.0);
     inputs.runtime_parameters.secretion = 0.0f;
-    for (int k = 0; k < 3 * steps_per_second; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 3 * steps_per_second);
     const std::size_t there = scene.snapshot().saliva.positions.size() + scene.snapshot().saliva.left;
-    for (int k = 0; k < steps_per_second / 2; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, steps_per_second / 2);
     EXPECT_EQ(scene.snapshot().saliva.positions.size() + scene.snapshot().saliva.left, there);
 }
 
@@ -333,9 +311,7 @@ TEST_F(SalivaInScene, RunsToLowerEndOfTable) {
         inputs.runtime_parameters.table_angle = table_angle;
         Scene scene(premature(), make_laryngoscope(Blade::miller_0), Tube{}, inputs,
                     {.rigid = {}, .saliva = true});
-        for (int k = 0; k < 2 * steps_per_second; ++k) {
-            scene.step(inputs);
-        }
+        test::hold(scene, inputs, 2 * steps_per_second);
         float z = 0.0f;
         for (const Vec3f& p : scene.snapshot().saliva.positions) {
             z += p.z() / static_cast<float>(scene.snapshot().saliva.positions.size());

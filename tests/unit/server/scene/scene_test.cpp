@@ -16,6 +16,7 @@
 #include "common/math/units.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::scene {
@@ -24,10 +25,6 @@ namespace {
 class SceneTest : public ::testing::Test {
   protected:
     SceneTest() {
-        away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-        away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.runtime_parameters.head_elevation = 20.0f * degree;
-        away_.runtime_parameters.jaw_opening = 25.0f * degree;
         static const Vec3f tongue = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
         tongue_ = tongue;
     }
@@ -39,9 +36,7 @@ class SceneTest : public ::testing::Test {
     /// The blade in the mouth, its tip over the tongue's highest point, and `depth` [m] lower.
     [[nodiscard]] Inputs pressing(float depth) const {
         Inputs inputs = away_;
-        const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
-        const Vec3f tip = tongue_ + Vec3f(0.0f, 0.0f, 6e-3f - depth);
-        inputs.laryngoscope = {turn, tip - turn * scope_.tip()};
+        inputs.laryngoscope = test::blade_with_tip_at(tongue_ + Vec3f(0.0f, 0.0f, 6e-3f - depth), scope_);
         return inputs;
     }
 
@@ -54,7 +49,7 @@ class SceneTest : public ::testing::Test {
     }
 
     Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
-    Inputs away_;
+    Inputs away_ = test::parked_tools(20.0f, 25.0f);
     Vec3f tongue_ = Vec3f::Zero();
 };
 
@@ -93,9 +88,7 @@ TEST_F(SceneTest, ManikinToolsFollowDevicesExactly) {
 TEST_F(SceneTest, UntouchedTissueStaysAtRest) {
     Scene scene = make();
     const std::vector<FramePose> before = scene.snapshot().frames;
-    for (int k = 0; k < 60; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 60);
     for (std::size_t i = 0; i < before.size(); ++i) {
         ASSERT_LT((scene.snapshot().frames[i].centre - before[i].centre).norm(), 2e-6f) << "frame " << i;
     }
@@ -188,9 +181,7 @@ TEST_F(SceneTest, StiffImplicitTongueIsStableUnderFastBlade) {
 
 TEST_F(SceneTest, SelfContactLeavesRestShapeUnchanged) {
     Scene scene = make({.rigid = {}, .self_contact = true});
-    for (int k = 0; k < 60; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 60);
     const pbd::Particles& p = scene.tissue().body().particles;
     for (std::size_t i = 0; i < p.size(); ++i) {
         ASSERT_LT((p.position[i] - p.rest[i]).norm(), 2e-6f) << "particle " << i;
@@ -229,9 +220,7 @@ TEST_F(SceneTest, SelfContactIsIndependentOfSleeping) {
 
 TEST_F(SceneTest, TimeIsStepsOverTheRate) {
     Scene scene = make();
-    for (int k = 0; k < steps_per_second; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, steps_per_second);
     EXPECT_EQ(scene.snapshot().step, 180u);
     EXPECT_EQ(scene.snapshot().time_ns, 1'000'000'000u);
 }
@@ -293,9 +282,7 @@ TEST_F(SceneTest, BladeAndTonguePressOnEachOther) {
     EXPECT_LT(at(scene.snapshot().landmarks, Landmark::tongue_dorsum).z(), tongue_.z() - 0.5e-3f);
     EXPECT_GT(scene.snapshot().tissue_force.z(), 0.01f) << "up, against the blade's motion";
     // After the blade is lifted off, the tissue returns to its position.
-    for (int k = 0; k < 2 * steps_per_second; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 2 * steps_per_second);
     EXPECT_NEAR(at(scene.snapshot().landmarks, Landmark::tongue_dorsum).z(), tongue_.z(), 0.1e-3f);
     EXPECT_EQ(scene.snapshot().tissue_force, Vec3f(Vec3f::Zero()));
 }
@@ -327,9 +314,7 @@ TEST_F(SceneTest, PostureRateIsLimited) {
     scene.step(inputs);
     EXPECT_NEAR(scene.snapshot().runtime_parameters.head_elevation, 20.0f * degree + 0.17f * step_duration,
                 1e-6f);
-    for (int k = 0; k < 3 * steps_per_second; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 3 * steps_per_second);
     EXPECT_FLOAT_EQ(scene.snapshot().runtime_parameters.head_elevation, max_head_elevation);
 }
 
@@ -384,9 +369,7 @@ TEST_F(SceneTest, TangledTongueRecovers) {
     scene.place_laryngoscope(away_.laryngoscope);
     const TurnedTongue tongue(scene, tongue_);
     EXPECT_GT(tongue.farthest(), 10e-3f);
-    for (int k = 0; k < 4 * steps_per_second; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 4 * steps_per_second);
     EXPECT_LT(tongue.farthest(), 0.01e-3f);
 }
 
@@ -402,9 +385,7 @@ TEST_F(SceneTest, TangledSleepingTongueWakesWhenBladeLeaves) {
     ASSERT_FALSE(tongue.awake());
     scene.step(above);
     EXPECT_GT(tongue.farthest(), 1e-3f) << "nothing draws it while a blade is near";
-    for (int k = 0; k < 4 * steps_per_second; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 4 * steps_per_second);
     EXPECT_LT(tongue.farthest(), 0.1e-3f);
 }
 
@@ -447,9 +428,7 @@ TEST_F(SceneTest, ChangedTubeMatchesTubeBuiltThatWay) {
     soft.runtime_parameters.tube_youngs_modulus = 2e6f;
     soft.runtime_parameters.tube_curve_radius = 2.0f;
     const auto tip_after = [](Scene& scene, const Inputs& inputs, int steps) {
-        for (int k = 0; k < steps; ++k) {
-            scene.step(inputs);
-        }
+        test::hold(scene, inputs, steps);
         return scene.snapshot().tube_nodes.back();
     };
     Scene changed(test::coarse_newborn(), scope_, Tube{}, wanted, Settings{});
@@ -546,9 +525,7 @@ TEST_F(SceneTest, TongueGrowthHasSameBitsForAnyThreads) {
             inputs.runtime_parameters.tongue_scale = 1.1f;
             inputs.runtime_parameters.tissue_stiffness = 10e3f;
             inputs.runtime_parameters.table_angle = 0.1f;
-            for (int k = 0; k < 150; ++k) {
-                scene.step(inputs);
-            }
+            test::hold(scene, inputs, 150);
             return scene.state_hash();
         });
     };
@@ -562,9 +539,7 @@ TEST_F(SceneTest, TiltedTableOnlyRotatesGravity) {
     Inputs inputs = away_;
     inputs.runtime_parameters.table_angle = 0.5f;  // beyond its range
     const std::vector<FramePose> before = tilted.snapshot().frames;
-    for (int k = 0; k < 4 * steps_per_second; ++k) {
-        tilted.step(inputs);
-    }
+    test::hold(tilted, inputs, 4 * steps_per_second);
     EXPECT_FLOAT_EQ(tilted.snapshot().runtime_parameters.table_angle, max_table_angle);
     for (std::size_t b = 0; b < patient::bone_count; ++b) {
         EXPECT_EQ(tilted.snapshot().frames[b].centre, before[b].centre);
@@ -576,9 +551,7 @@ TEST_F(SceneTest, TiltedTableOnlyRotatesGravity) {
     EXPECT_LT(sag.z(), -5e-6f);
     EXPECT_GT(sag.z(), -1000.0f * 9.81f * 0.342f * 0.03f / 8e3f * 0.03f);
     inputs.runtime_parameters.table_angle = 0.0f;
-    for (int k = 0; k < 5 * steps_per_second; ++k) {
-        tilted.step(inputs);
-    }
+    test::hold(tilted, inputs, 5 * steps_per_second);
     EXPECT_LT((at(tilted.snapshot().landmarks, Landmark::tongue_dorsum) -
                at(level.snapshot().landmarks, Landmark::tongue_dorsum))
                   .norm(),

@@ -9,10 +9,9 @@
 #include <numbers>
 
 #include "common/math/random.hpp"
-#include "common/math/units.hpp"
-#include "server/scene/scene.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::scene {
@@ -288,12 +287,6 @@ TEST(WallMotion, WallsAreWhereTheirBonesAre) {
 
 class SceneSkeletonTest : public ::testing::Test {
   protected:
-    SceneSkeletonTest() {
-        away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-        away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.runtime_parameters.head_elevation = 20.0f * degree;
-        away_.runtime_parameters.jaw_opening = 15.0f * degree;
-    }
     [[nodiscard]] Scene make(bool yields = true) const {
         return {test::coarse_newborn(), scope_, Tube{}, away_, Settings{.rigid = {}, .bones_yield = yields}};
     }
@@ -307,9 +300,7 @@ class SceneSkeletonTest : public ::testing::Test {
     [[nodiscard]] Inputs pressing(float depth) const {
         static const Vec3f dorsum = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
         Inputs inputs = away_;
-        const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
-        const Vec3f tip = dorsum + Vec3f(0.0f, 0.0f, 6e-3f - depth);
-        inputs.laryngoscope = {turn, tip - turn * scope_.tip()};
+        inputs.laryngoscope = test::blade_with_tip_at(dorsum + Vec3f(0.0f, 0.0f, 6e-3f - depth), scope_);
         return inputs;
     }
     void press(Scene& scene, float depth) const {
@@ -319,14 +310,12 @@ class SceneSkeletonTest : public ::testing::Test {
         }
     }
     Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
-    Inputs away_;
+    Inputs away_ = test::parked_tools(20.0f, 15.0f);
 };
 
 TEST_F(SceneSkeletonTest, UntouchedBonesRestAndSleep) {
     Scene scene = make();
-    for (int k = 0; k < 60; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 60);
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 1e-5f);
     EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
 }
@@ -339,9 +328,7 @@ TEST_F(SceneSkeletonTest, PressedLarynxMovesSleepsAndReturns) {
     Inputs inputs = away_;
     inputs.runtime_parameters.laryngeal_pressure_back = 2.0f;
     inputs.runtime_parameters.laryngeal_pressure_right = 1.0f;
-    for (int k = 0; k < 720; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 720);
     EXPECT_EQ(scene.snapshot().runtime_parameters.laryngeal_pressure_back, 2.0f);
     EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
     // The tongue, which hangs on the hyoid, holds some of the force.
@@ -354,9 +341,7 @@ TEST_F(SceneSkeletonTest, PressedLarynxMovesSleepsAndReturns) {
     EXPECT_GT(moved.y(), 0.3f * back());
     EXPECT_LT(moved.y(), back());
     EXPECT_LT(moved.x(), -0.3e-3f) << "to the patient's right";
-    for (int k = 0; k < 900; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 900);
     EXPECT_LT((glottis() - rest).norm(), 0.2e-3f);
     EXPECT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
 }
@@ -365,15 +350,11 @@ TEST_F(SceneSkeletonTest, MuscleToneStiffensPressedBonesAtOnce) {
     Scene scene = make();
     Inputs inputs = away_;
     inputs.runtime_parameters.laryngeal_pressure_back = 2.0f;
-    for (int k = 0; k < 720; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 720);
     ASSERT_EQ(scene.tissue().body().sleep.awake_groups(), 0u);
     const float relaxed = scene.skeleton()->offset()[YieldingSkeleton::hyoid_back];
     inputs.runtime_parameters.muscle_tone = 1.0f;
-    for (int k = 0; k < 720; ++k) {
-        scene.step(inputs);
-    }
+    test::hold(scene, inputs, 720);
     const float awake = scene.skeleton()->offset()[YieldingSkeleton::hyoid_back];
     EXPECT_LT(awake, 0.5f * relaxed) << "three times the stiffness, and the tongue's";
     EXPECT_GT(awake, relaxed / 3.0f - 1e-4f);
@@ -390,9 +371,7 @@ TEST_F(SceneSkeletonTest, ResetUnderPressureHasTheSameBits) {
             scene.step(inputs);
         }
         scene.reset(inputs);
-        for (int k = 0; k < 60; ++k) {
-            scene.step(inputs);
-        }
+        test::hold(scene, inputs, 60);
         return scene.state_hash();
     };
     EXPECT_EQ(hash(false), hash(true));
@@ -434,9 +413,7 @@ TEST_F(SceneSkeletonTest, JawYieldsToThePressedTongueAndReturns) {
     EXPECT_GT(pressed[YieldingSkeleton::jaw_opening], 8e-3f) << pressed.transpose();
     EXPECT_LT(pressed.cwiseAbs().maxCoeff(), 0.3f) << pressed.transpose();
     scene.place_laryngoscope(away_.laryngoscope);
-    for (int k = 0; k < 900; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 900);
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 0.02f);
 }
 
@@ -486,9 +463,7 @@ TEST_F(SceneSkeletonTest, JawThrownAboutComesToRest) {
             ASSERT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 0.5f);
         }
     }
-    for (int k = 0; k < 540; ++k) {
-        scene.step(away_);
-    }
+    test::hold(scene, away_, 540);
     EXPECT_LT(scene.skeleton()->offset().cwiseAbs().maxCoeff(), 2e-3f);
 }
 

@@ -6,9 +6,8 @@
 
 #include <functional>
 
-#include "common/math/units.hpp"
-#include "server/scene/scene.hpp"
 #include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 #include "tests/support/threads.hpp"
 
 namespace eti::scene {
@@ -16,13 +15,6 @@ namespace {
 
 class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
   protected:
-    SceneSleepTest() {
-        away_.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-        away_.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
-        away_.runtime_parameters.head_elevation = 20.0f * degree;
-        away_.runtime_parameters.jaw_opening = 25.0f * degree;
-    }
-
     [[nodiscard]] Scene make(bool sleeps = true, bool bones_yield = true) const {
         return {
             test::coarse_newborn(), scope_, Tube{}, away_,
@@ -34,9 +26,7 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
     }
 
     void rest(Scene& scene) const {
-        for (int k = 0; k < 20; ++k) {
-            scene.step(away_);
-        }
+        test::hold(scene, away_, 20);
         ASSERT_EQ(sleep_of(scene).awake_groups(), 0u);
     }
 
@@ -44,13 +34,12 @@ class SceneSleepTest : public ::testing::TestWithParam<TissueMethod> {
     [[nodiscard]] Inputs pressing(float depth) const {
         static const Vec3f tongue = at(make().snapshot().landmarks, Landmark::tongue_dorsum);
         Inputs inputs = away_;
-        const Quatf turn(Eigen::AngleAxisf(-90.0f * degree, Vec3f::UnitX()));  // points posterior
-        inputs.laryngoscope = {turn, tongue - Vec3f(0.0f, 0.0f, depth) - turn * scope_.tip()};
+        inputs.laryngoscope = test::blade_with_tip_at(tongue - Vec3f(0.0f, 0.0f, depth), scope_);
         return inputs;
     }
 
     Laryngoscope scope_ = make_laryngoscope(Blade::miller_1);
-    Inputs away_;
+    Inputs away_ = test::parked_tools(20.0f, 25.0f);
 };
 
 TEST_P(SceneSleepTest, RestingStepSolvesNoTissue) {
@@ -61,9 +50,7 @@ TEST_P(SceneSleepTest, RestingStepSolvesNoTissue) {
     EXPECT_TRUE(scene.tissue().body().particles.awake.empty());
     EXPECT_FALSE(sleep_of(scene).any_awake());
     Scene awake = make(false);
-    for (int k = 0; k < 21; ++k) {
-        awake.step(away_);
-    }
+    test::hold(awake, away_, 21);
     EXPECT_EQ(sleep_of(awake).awake_groups(), 0u) << "there are no groups at all";
     EXPECT_TRUE(sleep_of(awake).any_awake());
     EXPECT_EQ(awake.tissue().body().particles.awake.size(), 1u);

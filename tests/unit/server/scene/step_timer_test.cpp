@@ -4,17 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include "server/scene/scene.hpp"
 #include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 
 namespace eti::scene {
 namespace {
 
 TEST(StepTimer, TimesEveryStageWithoutChangingState) {
     const Laryngoscope scope = make_laryngoscope(Blade::miller_1);
-    Inputs inputs;
-    inputs.laryngoscope.translation = Vec3f(0.0f, -0.25f, 0.15f);
-    inputs.tube_grip.translation = Vec3f(-0.12f, -0.25f, 0.10f);
+    const Inputs inputs = test::parked_tools(0.0f, 0.0f);
     Scene plain(test::coarse_newborn(), scope, Tube{}, inputs, {});
     Scene timed(test::coarse_newborn(), scope, Tube{}, inputs, {});
     StepTimer clock;

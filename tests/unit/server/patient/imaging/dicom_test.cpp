@@ -6,9 +6,11 @@
 #include <gdcmImageWriter.h>
 #include <gdcmReader.h>
 #include <gdcmWriter.h>
+#include <gmock/gmock.h>
 
 #include "common/math/random.hpp"
 #include "sample_volume.hpp"
+#include "tests/support/error_of.hpp"
 
 namespace eti::imaging {
 namespace {
@@ -185,13 +187,8 @@ TEST_F(Dicom, TruncatedFileIsRefused) {
     write_series(5);
     const auto file = folder / "2.dcm";
     std::filesystem::resize_file(file, std::filesystem::file_size(file) - 30);
-    try {
-        (void)read(folder);
-        FAIL();
-    } catch (const VolumeError& error) {
-        EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos) << error.what();
-        EXPECT_NE(std::string(error.what()).find("Remedy"), std::string::npos) << error.what();
-    }
+    EXPECT_THAT(eti::test::error_of<VolumeError>([&] { (void)read(folder); }),
+                ::testing::AllOf(::testing::HasSubstr(file.string()), ::testing::HasSubstr("Remedy")));
 }
 
 TEST_F(Dicom, OtherModalityIsRefused) {
@@ -258,13 +255,8 @@ TEST_F(Dicom, EqualSeriesAreListedForAChoice) {
     write_series(5, sharp, "sharp-");
     expect_refused(folder, "1.2.3 (5 slices), 1.2.4 (5 slices)");
     EXPECT_EQ(read(folder, {}, "1.2.4").volume.geometry.size[2], 5);
-    try {
-        (void)read(folder, {}, "1.2.5");
-        FAIL();
-    } catch (const VolumeError& error) {
-        EXPECT_NE(std::string(error.what()).find("one of 1.2.3 (5 slices), 1.2.4"), std::string::npos)
-            << error.what();
-    }
+    EXPECT_THAT(eti::test::error_of<VolumeError>([&] { (void)read(folder, {}, "1.2.5"); }),
+                ::testing::HasSubstr("one of 1.2.3 (5 slices), 1.2.4"));
 }
 
 TEST_F(Dicom, SeriesThatFormsAVolumeIsPreferred) {

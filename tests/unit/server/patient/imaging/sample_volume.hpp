@@ -3,7 +3,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 
 #include "server/patient/imaging/formats.hpp"
 #include "server/patient/imaging/read.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti::imaging::test {
 
@@ -35,24 +35,13 @@ inline void expect_same(const Volume& a, const Volume& b) {
     EXPECT_EQ(a.value, b.value);
 }
 
-/// A folder that is removed when the test ends.
-class Folder : public ::testing::Test {
+class Folder : public eti::test::ScratchFolderTest {
   protected:
-    Folder()
-        : folder(std::filesystem::temp_directory_path() /
-                 ("eti-imaging-" + std::to_string(::getpid()) + "-" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-        std::filesystem::create_directories(folder);
-    }
-    ~Folder() override { std::filesystem::remove_all(folder); }
-
     std::filesystem::path put(const std::string& name, const Bytes& data) const {
         std::ofstream out(folder / name, std::ios::binary);
         out.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
         return folder / name;
     }
-
-    std::filesystem::path folder;
 };
 
 /// Reads a file that must be rejected; the message names the file, `said`, and a remedy.

@@ -2,31 +2,22 @@
 // Copyright the NeoETI authors
 #include "server/patient/model/model_file.hpp"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include <gmock/gmock.h>
 
 #include <fstream>
 #include <functional>
 
 #include "common/hdf5/file.hpp"
 #include "random_patient.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti::patient {
 namespace {
 
-class ModelFile : public ::testing::Test {
+class ModelFile : public eti::test::ScratchFolderTest {
   protected:
-    ModelFile() {
-        folder = std::filesystem::temp_directory_path() /
-                 ("eti_model_file_" + std::to_string(::getpid()) + "_" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
-        path = folder / "patient.h5";
-    }
-    ~ModelFile() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
-    std::filesystem::path path;
+    const std::filesystem::path path = folder / "patient.h5";
 };
 
 using test::random_patient;
@@ -100,12 +91,7 @@ TEST_F(ModelFile, EveryFieldRoundTripsExactly) {
 std::string refusal(const std::filesystem::path& path, const std::function<void(Patient&)>& spoil) {
     Patient patient = random_patient(50, 5, 4);
     spoil(patient);
-    try {
-        save_patient(patient, path, {});
-    } catch (const hdf5::Error& error) {
-        return error.what();
-    }
-    return {};
+    return eti::test::error_of<hdf5::Error>([&] { save_patient(patient, path, {}); });
 }
 
 TEST_F(ModelFile, RefusesInvalidModels) {
@@ -149,14 +135,7 @@ TEST_F(ModelFile, RefusesInvalidModels) {
 }
 
 TEST_F(ModelFile, RefusesMissingForeignAndTruncatedFiles) {
-    const auto text = [&] {
-        try {
-            (void)load_patient(path);
-        } catch (const hdf5::Error& error) {
-            return std::string(error.what());
-        }
-        return std::string();
-    };
+    const auto text = [&] { return eti::test::error_of<hdf5::Error>([&] { (void)load_patient(path); }); };
     EXPECT_NE(text().find("no such file"), std::string::npos) << text();
     std::ofstream(path) << "";
     EXPECT_NE(text().find("empty"), std::string::npos) << text();
@@ -175,13 +154,9 @@ TEST_F(ModelFile, RefusesMissingForeignAndTruncatedFiles) {
 }
 
 TEST_F(ModelFile, ReportsUnwritablePath) {
-    try {
-        save_patient(random_patient(50, 5, 4), folder / "missing" / "patient.h5", {});
-        FAIL() << "wrote into a folder that is not there";
-    } catch (const hdf5::Error& error) {
-        EXPECT_NE(std::string(error.what()).find("No such file or directory"), std::string::npos)
-            << error.what();
-    }
+    EXPECT_THAT(eti::test::error_of<hdf5::Error>(
+                    [&] { save_patient(random_patient(50, 5, 4), folder / "missing" / "patient.h5", {}); }),
+                ::testing::HasSubstr("No such file or directory"));
 }
 
 }  // namespace

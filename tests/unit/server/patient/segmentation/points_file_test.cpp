@@ -3,11 +3,11 @@
 #include "server/patient/segmentation/placement/points_file.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "common/math/random.hpp"
 #include "server/patient/imaging/bytes.hpp"
 #include "server/patient/imaging/volume.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace eti::segmentation {
 namespace {
@@ -15,14 +15,8 @@ namespace {
 const Points points = {{"tongue", {Vec3d(0.001, 0.021, -0.0125)}},
                        {"spine", {Vec3d(0, 0.06, 0), Vec3d(0, 0.07, -0.04)}}};
 
-class PointsFile : public ::testing::Test {
+class PointsFile : public eti::test::ScratchFolderTest {
   protected:
-    PointsFile()
-        : file(std::filesystem::temp_directory_path() /
-               ("eti-points-" + std::to_string(::getpid()) + "-" +
-                ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".mrk.json")) {}
-    ~PointsFile() override { std::filesystem::remove(file); }
-
     void expect_refused(const std::string& text, const std::string& said) const {
         imaging::write_text(file, text);
         try {
@@ -41,7 +35,7 @@ class PointsFile : public ::testing::Test {
         return text;
     }
 
-    std::filesystem::path file;
+    const std::filesystem::path file = folder / "points.mrk.json";
     mutable std::vector<std::string> remarks;
 };
 
