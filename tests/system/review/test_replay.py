@@ -18,6 +18,13 @@ LIKE = 0.01  # share of pixels
 CHANGE = 24  # of 255, threshold for a change
 
 
+def changed_share(one, other):
+    """Of the pixels outside the readout, which says how late a live server is."""
+    changed = numpy.abs(one - other).max(axis=2) > CHANGE
+    changed[:200, :240] = False
+    return changed.mean()
+
+
 class Replay(support.Programs):
     def record_expert(self, seconds, scenario="term"):
         self.record = self.folder / "run.eti.h5"
@@ -78,9 +85,9 @@ class Replay(support.Programs):
         _, before = self.pictures("before", before_out)
         self.assertEqual(set(again), set(live))
         for view, picture in live.items():
-            changed = (numpy.abs(again[view] - picture).max(axis=2) > CHANGE).mean()
+            changed = changed_share(again[view], picture)
             self.assertLess(changed, LIKE, view)
-            otherwise = (numpy.abs(before[view] - picture).max(axis=2) > CHANGE).mean()
+            otherwise = changed_share(before[view], picture)
             self.assertGreater(otherwise, 3 * changed, f"{view}: two seconds before it was not the same")
 
     def test_joiner_sees_paused_moment_with_its_numbers(self):
@@ -100,7 +107,7 @@ class Replay(support.Programs):
         joined_time, joined = self.pictures("joined", joined_out)
         self.assertEqual(joined_time, whole_time)
         for view, picture in whole.items():
-            self.assertLess((numpy.abs(joined[view] - picture).max(axis=2) > CHANGE).mean(), LIKE, view)
+            self.assertLess(changed_share(joined[view], picture), LIKE, view)
 
     def test_replay_is_controlled_over_the_bus(self):
         self.record_expert(3)
