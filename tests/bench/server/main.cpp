@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
     lift.add_number("--substeps", matter.substeps, "Instead of the scenarios'", {0, 64});
     lift.add_number("--spacing", matter.spacing, "Spacing of particles [mm] instead of the scenarios'",
                     {0, 5});
+    lift.add_number("--fine-spacing", matter.fine_spacing, "The same at epiglottis and larynx", {0, 2});
     lift.add_flag("--fixed-bones", matter.fixed_bones, "Head, mandible and hyoid do not yield");
     lift.add_flag("--elastic", matter.elastic, "The stress of tongue and epiglottis does not relax");
     lift.add_flag("--no-blocks", matter.no_blocks, "Lifts only");

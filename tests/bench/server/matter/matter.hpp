@@ -17,6 +17,7 @@ struct MatterOptions {
     std::filesystem::path trace;       ///< writes values over time here
     int substeps = 0;                  ///< 0: as the scenario says
     double spacing = 0.0;              ///< [mm], 0: as the scenario says
+    double fine_spacing = 0.0;         ///< [mm], 0: as the scenario says
     bool fixed_bones = false;          ///< head, mandible and hyoid do not yield
     bool elastic = false;              ///< the tissue does not relax
     bool no_blocks = false;            ///< no blocks
