@@ -189,8 +189,7 @@ Scenario parse(const std::string& text, const std::filesystem::path& file, Model
             "forces of the implicit tongue do not depend on it");
         p.spacing = physics->number("spacing_mm", p.spacing, {0.75f, 4.0f, millimetre},
                                     "Particle spacing in the bulk; time grows with its inverse cube");
-        p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing,
-                                         {0.5f, Scenario::Physics::max_fine_spacing / millimetre, millimetre},
+        p.fine_spacing = physics->number("fine_spacing_mm", p.fine_spacing, {0.5f, 2.0f, millimetre},
                                          "The same at epiglottis and larynx, at most `spacing_mm`");
         p.region = physics->number("region_mm", p.region, {4, 40, millimetre},
                                    "Tissue farther from the airway moves rigidly with the bones");

@@ -43,8 +43,7 @@ struct Scenario {
         int substeps =
             8;  ///< per 1/180 s step; cost grows linearly, error of contact forces falls quadratically
         float spacing = 2.0e-3f;       ///< [m], particles in the bulk; cost grows with its -3rd power
-        float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx; at most max_fine_spacing
-        static constexpr float max_fine_spacing = 2.0e-3f;
+        float fine_spacing = 1.0e-3f;  ///< [m], particles at epiglottis and larynx
         TissueMethod tissue_method = TissueMethod::implicit;
         float region = 7e-3f;       ///< [m], tissue farther than this from the airway moves with the bones
         bool bones_yield = true;    ///< head, mandible and hyoid, with an implicit mesh

@@ -69,8 +69,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
     std::string quality(name_of(options.quality));
     app.add_option("--quality", quality,
                    "auto: in real time, full if this machine keeps up with it, else reduced; with --fast or "
-                   "--no-dds full. full: as the scenario says. reduced: half its substeps and 1.25 times its "
-                   "fine spacing. The session file and --json name it")
+                   "--no-dds full. full: as the scenario says. reduced: half its substeps. The session file "
+                   "and --json name it")
         .one_of({quality_names.begin(), quality_names.end()})
         .capture_default_str();
     const Option resimulate =

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "common/math/units.hpp"
 #include "common/model/pace.hpp"
 #include "common/scenario/setting.hpp"
 #include "server/app/run/simulation.hpp"
@@ -18,7 +17,6 @@ namespace eti::app {
 namespace {
 
 constexpr int measured_steps = 40;
-constexpr float coarser = 1.25f;
 // A step in the lift costs 1.4 times as much as one with the tools at rest (docs/solver/cost.md), and the
 // simulation sleeps for 15 % of its steps' cost.
 constexpr double lift_cost = 1.4 * 1.15;
@@ -41,15 +39,9 @@ double awake_step_cost(const Scenario& scenario, const patient::Patient& patient
 }  // namespace
 
 Scenario reduced(const Scenario& scenario) {
-    const Scenario::Physics& physics = scenario.physics;
-    std::string text =
-        with_setting(scenario.text, fmt::format("physics.substeps={}", std::max(1, physics.substeps / 2)));
-    if (scenario.patient.model.empty()) {
-        const float spacing =
-            std::min({coarser * physics.fine_spacing, physics.spacing, Scenario::Physics::max_fine_spacing});
-        text = with_setting(text, fmt::format("physics.fine_spacing_mm={:g}", spacing / millimetre));
-    }
-    return parse_scenario(text, scenario.folder / scenario.name);
+    const int substeps = std::max(1, scenario.physics.substeps / 2);
+    return parse_scenario(with_setting(scenario.text, fmt::format("physics.substeps={}", substeps)),
+                          scenario.folder / scenario.name);
 }
 
 bool keeps_real_time(double awake_step_cost) {

@@ -10,11 +10,11 @@
 
 namespace eti::app {
 
-/// How finely the tissue around the tongue is simulated.
+/// How finely time is divided for the tissue around the tongue, and for the tube.
 enum class Quality {
     automatic,  ///< in a session that follows the clock: the finest that this machine can run in real time
     full,       ///< as the scenario says
-    reduced     ///< half the substeps, and larger fine spacing; see reduced()
+    reduced     ///< half the substeps
 };
 
 /// In the order of Quality.
@@ -24,9 +24,9 @@ inline constexpr std::array<std::string_view, 3> quality_names = {"auto", "full"
     return quality_names.at(static_cast<std::size_t>(quality));
 }
 
-/// The scenario at reduced quality: half the substeps, and particles of epiglottis and larynx 1.25 times as
-/// far apart, at most as far as those of the bulk. Its text has these keys. The particles of a model made by
-/// eti-anatomy stay as they are. What it costs and changes: docs/solver/sufficiency.md.
+/// The scenario at reduced quality: half the substeps, also in its text. Larger particles save more, but hide
+/// the premature newborn's glottis. What it costs and changes: docs/solver/cost.md,
+/// docs/solver/sufficiency.md.
 [[nodiscard]] Scenario reduced(const Scenario& scenario);
 
 /// Whether a machine on which a step costs this [s], with all tissue awake and the tools at rest, keeps real

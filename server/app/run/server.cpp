@@ -201,7 +201,6 @@ class Session {
         }
         if (quality_ == Quality::reduced) {
             scenario_ = reduced(scenario_);
-            patient_ = patient_of(scenario_);
         }
     }
 
