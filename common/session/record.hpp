@@ -27,7 +27,7 @@ namespace eti::session {
 inline constexpr const char* participant_text = "participant";  ///< pseudonym
 inline constexpr const char* manikin_text = "manikin";          ///< present if a real manikin was used
 inline constexpr const char* skill_text = "operator_skill";     ///< of a scripted operator, 0 to 1
-inline constexpr const char* quality_text = "quality";  ///< of the simulation: full or reduced
+inline constexpr const char* quality_text = "quality";          ///< of the simulation: full or reduced
 // Bit-equality depends on these beside the build.
 inline constexpr const char* processor_text = "processor";
 inline constexpr const char* libraries_text = "libraries";
