@@ -49,7 +49,7 @@ class Hands(support.Programs):
         return poses[numpy.flatnonzero(numpy.abs(poses[:, :3] - poses[0, :3]).max(axis=1) > 1e-6)[0]:]
 
     def drag(self, button, x, y, by_x, by_y):
-        do = self.display._do
+        do = self.display.do
         do("mousemove", x, y)
         time.sleep(0.3)
         do("mousedown", button)
