@@ -12,6 +12,22 @@ TERM = support.ROOT / "deploy/data/scenarios/term.yaml"
 EXPERT = support.ROOT / "deploy/data/operators/expert.yaml"
 SECONDS_TO_REFUSE = 30  # generous for a sanitized build on a busy machine; a hang would never end
 
+HOSTILE = {
+    "unclosed": "patient: {weight_kg: 3.5",
+    "tabs": "patient:\n\tweight_kg: 3.5\n",
+    "list": "- 1\n- 2\n",
+    "scalar": "42\n",
+    "two_documents": "---\n{}\n---\n{}\n",
+    "not_text": b"\x00\x01\xff\xfe\x80" * 100,
+    "deep": "[" * 20000,
+    # Nine levels of nine references each: 9^9 nodes if they were expanded.
+    "alias_bomb": "a0: &a0 [x,x,x,x,x,x,x,x,x]\n" + "".join(
+        f"a{i}: &a{i} [{','.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 10)),
+    "merge_with_itself": "patient: &p\n  <<: *p\n",
+    "long_key": "k" * 5_000_000 + ": 1\n",
+    "foreign_tag": "patient: !!python/object/apply:os.system ['true']\n",
+}
+
 
 class Scenario(support.Case):
     def serve(self, scenario):
@@ -20,11 +36,17 @@ class Scenario(support.Case):
 
     def refused(self, text, *said):
         file = self.folder / "scenario.yaml"
-        file.write_text(text)
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
         done = self.serve(file)
         self.assert_refused(done, file, *said)
         self.assertFalse((self.folder / "record.eti.h5").exists(), "a recording was begun")
         return done
+
+    def changed(self, key, value):
+        """The shipped term scenario with one value changed."""
+        text, count = re.subn(rf"^(\s*{key}:).*$", rf"\1 {value}", TERM.read_text(), flags=re.MULTILINE)
+        self.assertEqual(count, 1, f"{TERM} has no line for {key}")
+        return text
 
     def test_shipped_scenario_is_accepted(self):
         done = self.serve(TERM)
@@ -32,6 +54,12 @@ class Scenario(support.Case):
 
     def test_missing_scenario_lists_available_ones(self):
         self.assert_refused(self.serve("no_such_scenario"), "no_such_scenario", "term")
+
+    def test_missing_file_is_named(self):
+        self.assert_refused(self.serve(self.folder / "absent.yaml"), self.folder / "absent.yaml")
+
+    def test_folder_as_scenario_is_refused(self):
+        self.assert_refused(self.serve(self.folder), self.folder)
 
     def test_missing_model_error_names_scenario_line_and_key(self):
         self.refused("seed: 1\npatient:\n  model: absent.h5\n", ":3", "patient.model", "absent.h5")
@@ -50,11 +78,51 @@ class Scenario(support.Case):
         # The log uses colours on terminals only.
         self.assertNotRegex(done.stderr, "[\x00-\x08\x0b-\x1f\x7f]")
 
+    def test_empty_scenario_is_refused(self):
+        self.refused("")
+
+    def test_truncated_scenario_is_refused_or_complete(self):
+        # Truncated anywhere, a file is rejected, unless the rest is a complete scenario. It never crashes a program.
+        text = TERM.read_text()
+        refusals = 0
+        for part in range(1, 8):
+            file = self.folder / "scenario.yaml"
+            file.write_text(text[:len(text) * part // 8])
+            (self.folder / "record.eti.h5").unlink(missing_ok=True)
+            done = self.serve(file)
+            self.assertGreaterEqual(done.returncode, 0, f"cut at {part}/8: {done.stderr}")
+            if done.returncode != 0:
+                refusals += 1
+                self.assert_refused(done, file)
+        self.assertGreater(refusals, 0)
+
+    def test_hostile_scenarios_are_refused(self):
+        for name, text in HOSTILE.items():
+            with self.subTest(name):
+                self.refused(text)
+
+    def test_endless_file_is_refused(self):
+        self.assert_refused(self.serve("/dev/zero"), "/dev/zero")
+
     def test_unknown_key_is_named_with_its_line(self):
         text = TERM.read_text()
         line = text.rstrip("\n").count("\n") + 2
         done = self.refused(text.rstrip("\n") + "\nwieght_kg: 3.5\n", "wieght_kg")
         self.assertIn(f":{line}", done.stderr)
+
+    def test_wrong_type_is_refused(self):
+        self.refused(self.changed("weight_kg", "heavy"), "weight_kg", "heavy")
+
+    def test_unit_in_the_value_is_refused(self):
+        self.refused(self.changed("weight_kg", "3.5 kg"), "weight_kg")
+
+    def test_out_of_range_error_states_the_range(self):
+        self.refused(self.changed("weight_kg", "35"), "weight_kg", "35", "0.5", "4.5")
+
+    def test_non_finite_values_are_refused(self):
+        for value in (".nan", ".inf", "-.inf", "1e400"):
+            with self.subTest(value):
+                self.refused(self.changed("weight_kg", value), "weight_kg")
 
 
 class Operator(support.Case):
@@ -68,6 +136,13 @@ class Operator(support.Case):
 
     def test_missing_operator_lists_available_ones(self):
         self.assert_refused(self.perform("nobody"), "nobody", "expert", "novice")
+
+    def test_hostile_operators_are_refused(self):
+        for name, text in HOSTILE.items():
+            with self.subTest(name):
+                file = self.folder / "operator.yaml"
+                file.write_bytes(text if isinstance(text, bytes) else text.encode())
+                self.assert_refused(self.perform(file), file)
 
     def test_unknown_key_is_named(self):
         file = self.folder / "operator.yaml"
@@ -86,7 +161,6 @@ class NoFiles(support.Case):
         ("eti-server", "--fast", "--steps", 2, "--profile", "{}"),
         ("eti-review", "summary", "{}"),
         ("eti-review", "check", "{}"),
-        ("eti-review", "check", "{}", "--repair"),
         ("eti-review", "export", "{}", "--out", "out"),
         ("eti-anatomy", "segment", "{}", "--out", "out.nrrd"),
         ("eti-anatomy", "surfaces", "{}", "--out", "out"),
@@ -124,9 +198,11 @@ class NoFiles(support.Case):
 
 
 class CommandLine(support.Case):
-    # Each program with its required arguments; those of the devices: tests/unit/devices/app.
+    # Each program with its required arguments.
     PROGRAMS = {
         "eti-server": (),
+        "eti-haptics": ("--device", "simulated"),
+        "eti-tracker": ("--device", "scripted"),
         "eti-client": ("--offscreen", "/proc/no-pictures"),
         "eti-review": ("summary", "absent.eti.h5"),
     }
@@ -152,6 +228,11 @@ class CommandLine(support.Case):
             if program != "eti-review":
                 with self.subTest(program):
                     self.assert_refused(support.run(program, *needed, "--domain", 300), "domain", "300", "232")
+
+    def test_unknown_device_lists_available_ones(self):
+        for program, there_is in (("eti-haptics", "simulated"), ("eti-tracker", "scripted")):
+            with self.subTest(program):
+                self.assert_refused(support.run(program, "--device", "abacus"), "abacus", there_is)
 
 
 class Storage(support.Case):
@@ -230,6 +311,17 @@ class Storage(support.Case):
         record.write_text("earlier")
         self.assert_refused(self.serve(record, steps=2), record, "already exists")
         self.assertEqual(record.read_text(), "earlier")
+
+    def test_review_refuses_non_session_files(self):
+        absent = self.folder / "absent.eti.h5"
+        empty = self.folder / "empty.eti.h5"
+        empty.touch()
+        text = self.folder / "text.eti.h5"
+        text.write_text("not a session\n" * 1000)
+        for file in (absent, empty, text, self.folder):
+            for command in ("summary", "check"):
+                with self.subTest(file=file.name, command=command):
+                    self.assert_refused(support.run("eti-review", command, file), file)
 
 
 if __name__ == "__main__":

@@ -28,6 +28,13 @@ class Next(support.Programs):
         self.assertEqual(self.running["server"].wait(support.PATIENCE), 0)
         self.assertEqual(sorted(file.name for file in self.folder.glob("*.h5")), ["lesson-2.eti.h5", "lesson.eti.h5"])
 
+    def test_next_is_refused_in_last_session(self):
+        self.start_server()
+        refused = self.ask("next")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("--scenario A --scenario B", refused.stderr)
+        self.stop("server")
+
     def test_sessions_run_in_sequence_after_all_are_read(self):
         done = support.run("eti-server", "--no-dds", "--fast", "--steps", 20, "--scenario", "term", "--scenario",
                            "premature", "--json", timeout=support.SECONDS_TO_START)

@@ -41,6 +41,10 @@ class Headset(support.Programs):
         self.assertGreater(self.glottis_seen(0.0), 50)
         self.assertLess(self.glottis_seen(0.2), 5)
 
+    def test_missing_runtime_error_says_what_to_install(self):
+        done = support.run("eti-client", "--view", "hmd", *self.bus, env={**os.environ, "XR_RUNTIME_JSON": "/nowhere.json"})
+        self.assert_refused(done, "--view hmd", "Install", "XR_RUNTIME_JSON")
+
 
 if __name__ == "__main__":
     unittest.main()

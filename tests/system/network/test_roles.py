@@ -129,6 +129,12 @@ class Roles(support.Programs):
                                support.DOMAIN, env=dict(os.environ, MESA_GL_VERSION_OVERRIDE="2.1"))
             self.assert_refused(done, "OpenGL 3.3", "Install")
 
+    def test_window_gives_up_without_server(self):
+        begin = time.monotonic()
+        done = support.run("eti-client", "--wait", "2", "--session", support.SESSION, "--domain", support.DOMAIN)
+        self.assert_refused(done, "no server found for 2 s (--wait)", support.SESSION)
+        self.assertGreater(time.monotonic() - begin, 2)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -387,6 +387,13 @@ class SessionFile(support.Case):
         self.assertEqual(again.returncode, 0)
         self.assertIn(f"before a repair: {words}", again.stdout)
 
+    def test_pipe_is_refused_as_session(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        for command in (("summary",), ("check",), ("check", "--repair")):
+            self.assert_refused(support.run("eti-review", command[0], pipe, *command[1:], timeout=10), pipe,
+                                "not a regular file")
+
     def test_file_deletion_during_recording_is_reported(self):
         process = self.start(1000, 1)
         self.assertEqual(process.stdout.readline(), "recording\n")

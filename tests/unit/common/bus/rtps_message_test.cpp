@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/bus/guard/security_message.hpp"
+#include "common/math/random.hpp"
 
 namespace eti::bus {
 namespace {
@@ -359,6 +360,24 @@ TEST(RtpsMessage, HeartbeatsAndGapsReportTheirHighestNumber) {
     };
     EXPECT_TRUE(is_well_formed(Message().data(9).heartbeat(3, 1000).gap(7, 70, 40).acknack(5).bytes(), note));
     EXPECT_EQ(told, (std::vector<std::int64_t>{0, 1000, 70}));
+}
+
+// With the address sanitizer this detects any read beyond the datagram.
+TEST(RtpsMessage, MutatedDatagramsAreNotReadOutOfBounds) {
+    const auto whole =
+        Message().data().heartbeat(1, 5).gap(3, 9, 40).acknack(2, 33).fragment(1, 1, 92, 150, 92).bytes();
+    Random random(18);
+    std::size_t passed = 0;
+    for (int i = 0; i < 100'000; ++i) {
+        std::vector<std::uint8_t> mutant(
+            whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(random.bits() % whole.size()));
+        for (std::uint64_t n = random.bits() % 4; n > 0 && !mutant.empty(); --n) {
+            mutant[random.bits() % mutant.size()] = static_cast<std::uint8_t>(random.bits());
+        }
+        passed += is_well_formed(mutant) ? 1 : 0;
+    }
+    EXPECT_GT(passed, 0u);
+    EXPECT_LT(passed, 50'000u);
 }
 
 }  // namespace

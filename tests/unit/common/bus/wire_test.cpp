@@ -60,6 +60,32 @@ TYPED_TEST(Malformed, EveryTruncationIsRefused) {
     }
 }
 
+TYPED_TEST(Malformed, NoiseNeitherThrowsNorOverallocates) {
+    using Type = WireType<TypeParam>;
+    const auto whole = bytes_of<Type>(example<typename Type::Message>());
+    Random random(7);
+    int refused = 0;
+    for (int trial = 0; trial < 3000; ++trial) {
+        auto bytes = whole;
+        for (int flips = 0; flips < 4; ++flips) {
+            bytes[random.bits() % bytes.size()] = static_cast<std::uint8_t>(random.bits());
+        }
+        // Damaged lengths are the most dangerous: also overwrite a whole word with a huge number.
+        const std::uint32_t huge = trial % 2 == 0 ? 0xffffffffu : 0x7fffffffu;
+        const std::size_t word = 4 * (random.bits() % (bytes.size() / 4));
+        std::memcpy(bytes.data() + word, &huge, sizeof huge);
+        refused += reads<Type>(bytes) ? 0 : 1;
+    }
+    std::vector<std::uint8_t> noise(4096);
+    for (int trial = 0; trial < 300; ++trial) {
+        for (auto& byte : noise) {
+            byte = static_cast<std::uint8_t>(random.bits());
+        }
+        refused += reads<Type>(noise) ? 0 : 1;
+    }
+    EXPECT_GT(refused, 0) << "the noise never met a member that can be malformed";
+}
+
 TEST(MalformedDescription, ExcessiveKeyCountIsNotAllocated) {
     using Type = WireType<msg::SessionDescriptionPubSubType>;
     auto message = example<msg::SessionDescription>();

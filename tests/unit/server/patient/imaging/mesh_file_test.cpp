@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "common/math/random.hpp"
 #include "common/mesh/check.hpp"
 #include "sample_volume.hpp"
 #include "tests/support/error_of.hpp"
@@ -157,6 +158,31 @@ TEST(MeshFile, ErrorsNameLineAndRemedy) {
     Bytes cut = binary_stl();
     cut.resize(cut.size() - 7);
     EXPECT_NE(refusal(cut, "a.stl").find("expected 284 bytes"), std::string::npos) << refusal(cut, "a.stl");
+}
+
+TEST(MeshFile, DamagedFilesAreRefusedOrHarmless) {
+    Random random(77);
+    for (const auto& [name, whole] : files()) {
+        for (int round = 0; round < 3000; ++round) {
+            Bytes data = whole;
+            for (int flips = 1 + static_cast<int>(random.bits() % 4); flips > 0; --flips) {
+                data[random.bits() % data.size()] = static_cast<std::uint8_t>(random.bits());
+            }
+            if (round % 3 == 0) {
+                data.resize(random.bits() % data.size());
+            }
+            try {
+                const TriangleMesh mesh = parse_mesh(data, name);
+                for (const Triangle& t : mesh.triangles) {
+                    for (const std::uint32_t v : t) {
+                        ASSERT_LT(v, mesh.vertices.size()) << name;
+                    }
+                }
+            } catch (const VolumeError& error) {
+                ASSERT_EQ(std::string(error.what()).rfind(name + ": ", 0), 0u) << error.what();
+            }
+        }
+    }
 }
 
 class MeshFiles : public test::Folder {};

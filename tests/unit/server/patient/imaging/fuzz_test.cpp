@@ -2,6 +2,7 @@
 // Copyright the NeoETI authors
 #include <fmt/format.h>
 
+#include "common/math/random.hpp"
 #include "sample_volume.hpp"
 
 namespace eti::imaging {
@@ -55,7 +56,7 @@ bool accepted(const std::string& kind, const Bytes& data) {
     }
 }
 
-TEST(VolumeFormats, TruncatedFilesAreRefused) {
+TEST(Fuzz, TruncatedVolumesAreRefused) {
     for (const auto& [kind, whole] : seeds()) {
         ASSERT_TRUE(accepted(kind, whole)) << kind;
         // The archive ends in empty blocks, and compressed data in a checksum, which are not required.
@@ -64,6 +65,26 @@ TEST(VolumeFormats, TruncatedFilesAreRefused) {
             const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
             ASSERT_FALSE(accepted(kind, part)) << kind << " of " << length << " bytes";
         }
+    }
+}
+
+TEST(Fuzz, DamagedVolumesAreRefusedOrHarmless) {
+    Random random(2020);
+    for (const auto& [kind, whole] : seeds()) {
+        std::size_t refused = 0;
+        for (int round = 0; round < 1500; ++round) {
+            Bytes data = whole;
+            for (int flips = 1 + static_cast<int>(random.bits() % 4); flips > 0; --flips) {
+                // Mostly in the header.
+                const std::size_t reach =
+                    round % 4 == 0 ? data.size() : std::min<std::size_t>(data.size(), 420);
+                std::uint8_t& byte = data[random.bits() % reach];
+                byte = round % 2 == 0 ? static_cast<std::uint8_t>(byte ^ 1u << random.bits() % 8)
+                                      : static_cast<std::uint8_t>("0123456789-.() \n:e"[random.bits() % 18]);
+            }
+            refused += accepted(kind, data) ? 0 : 1;
+        }
+        EXPECT_GT(refused, 100u) << kind << ": damage goes unnoticed";
     }
 }
 
