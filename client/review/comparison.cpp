@@ -150,8 +150,7 @@ void remark_on_mixed_quality(Comparison& comparison) {
     std::size_t reduced = 0, all = 0;
     for (const StudyGroup& group : comparison.groups) {
         for (const StudySession& session : group.sessions) {
-            const auto quality = session.info.more.find(session::quality_text);
-            reduced += quality != session.info.more.end() && quality->second == "reduced" ? 1 : 0;
+            reduced += session.info.text(session::quality_text) == "reduced" ? 1 : 0;
             ++all;
         }
     }
@@ -222,9 +221,7 @@ Comparison read_groups(const GroupFiles& files,
                                                          name, summary.run.outcome.reason));
                 continue;
             }
-            const auto participant = summary.info.more.find("participant");
-            group.sessions.push_back({path, summary.info,
-                                      participant == summary.info.more.end() ? "" : participant->second,
+            group.sessions.push_back({path, summary.info, summary.info.text(session::participant_text),
                                       summary.run.metrics, summary.run.outcome});
         }
         if (group.sessions.empty()) {

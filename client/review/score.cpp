@@ -423,10 +423,6 @@ ValidationResult cross_validate(std::span<const Example> examples, double penalt
 
 std::optional<Example> read_example(const std::filesystem::path& file, const std::string& label) {
     const Summary summary = summarise(file);
-    const auto text = [&](const char* name) {
-        const auto found = summary.info.more.find(name);
-        return found == summary.info.more.end() ? std::string() : found->second;
-    };
     if (!summary.outcome_known(summary.run)) {
         return std::nullopt;
     }
@@ -434,13 +430,13 @@ std::optional<Example> read_example(const std::filesystem::path& file, const std
     example.metrics = summary.run.metrics;
     example.intubated = summary.run.outcome.success;
     example.patient = summary.info.scenario;
-    example.person = text(session::participant_text);
+    example.person = summary.info.text(session::participant_text);
     if (example.person.empty()) {
         example.person = fmt::format("{} {}", summary.info.operator_name, summary.info.seed);
     }
     double grade = std::numeric_limits<double>::quiet_NaN();
     if (label == "skill") {
-        const std::string skill = text(session::skill_text);
+        const std::string skill = summary.info.text(session::skill_text);
         double value = 0.0;
         const auto [end, error] = std::from_chars(skill.data(), skill.data() + skill.size(), value);
         if (error == std::errc() && end == skill.data() + skill.size()) {

@@ -115,8 +115,8 @@ void put_session(nlohmann::ordered_json& into, const Summary& summary) {
     into["scenario"] = summary.info.scenario;
     into["operator"] = summary.info.operator_name;
     into["version"] = summary.info.version;
-    if (const auto found = summary.info.more.find(session::quality_text); found != summary.info.more.end()) {
-        into["quality"] = found->second;
+    if (const std::string quality = summary.info.text(session::quality_text); !quality.empty()) {
+        into["quality"] = quality;
     }
     into["duration_s"] = summary.duration;
     into["finished"] = summary.finished;

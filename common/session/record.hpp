@@ -46,6 +46,12 @@ struct SessionInfo {
     std::string build;    ///< compiler, build type, instruction set: what bit-equality depends on
     std::uint64_t seed = 0;
     std::map<std::string, std::string> more;  ///< further texts, by name
+
+    /// The further text of this name; empty if there is none.
+    [[nodiscard]] std::string text(const std::string& name) const {
+        const auto found = more.find(name);
+        return found == more.end() ? std::string() : found->second;
+    }
 };
 
 /// A point carried by the frames: a landmark, or a corner of the glottis (nameless).

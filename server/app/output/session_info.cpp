@@ -29,11 +29,6 @@ std::string model_name() {
     return "unknown";
 }
 
-std::string text_of(const session::SessionInfo& info, const char* name) {
-    const auto found = info.more.find(name);
-    return found == info.more.end() ? std::string() : found->second;
-}
-
 }  // namespace
 
 session::SessionInfo session_info(const Scenario& scenario, const patient::Patient& patient) {
@@ -66,12 +61,12 @@ std::vector<std::string> differences(const session::SessionInfo& recorded, const
     };
     compare("version", recorded.version, here.version);
     compare("build", recorded.build, here.build);
-    compare("processor", text_of(recorded, processor_text), text_of(here, processor_text));
-    compare("set of libraries", text_of(recorded, libraries_text), text_of(here, libraries_text));
-    const std::string physics = text_of(recorded, physics_text);
-    compare("physics", physics.empty() ? "an earlier version" : physics, text_of(here, physics_text));
-    compare("patient, by the hash of its model", text_of(recorded, patient_hash_text),
-            text_of(here, patient_hash_text));
+    compare("processor", recorded.text(processor_text), here.text(processor_text));
+    compare("set of libraries", recorded.text(libraries_text), here.text(libraries_text));
+    const std::string physics = recorded.text(physics_text);
+    compare("physics", physics.empty() ? "an earlier version" : physics, here.text(physics_text));
+    compare("patient, by the hash of its model", recorded.text(patient_hash_text),
+            here.text(patient_hash_text));
     return out;
 }
 
