@@ -33,8 +33,8 @@ inline constexpr std::array<std::string_view, 3> quality_names = {"auto", "full"
 /// time while the blade lifts the tongue.
 [[nodiscard]] bool keeps_real_time(double awake_step_cost);
 
-/// Full if this machine keeps real time with it, else reduced. It simulates and times some tens of steps of
-/// this patient, and counts the fastest, which other programs disturb least. Logs the result.
+/// Full if this machine keeps real time with it, else reduced. It simulates steps of this patient, at most
+/// some tens, until one is fast enough: other programs disturb single steps. Logs the result.
 [[nodiscard]] Quality finest_in_real_time(const Scenario& scenario, const patient::Patient& patient);
 
 }  // namespace eti::app

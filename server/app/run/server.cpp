@@ -193,7 +193,7 @@ class Session {
     }
 
   private:
-    /// Measures this machine where nobody has chosen, and replaces scenario and patient by reduced ones.
+    /// Measures this machine where nobody has chosen, and reduces the scenario where it is too slow.
     void choose_quality() {
         quality_ = options_.quality;
         if (quality_ == Quality::automatic) {
@@ -429,10 +429,11 @@ class Session {
         const double behind = clock.behind();
         if (behind > warned_behind_ + 2.0) {
             warned_behind_ = behind;
-            spdlog::warn(
-                "simulation time is {:.1f} s behind the clock (load {:.0f} %){}", behind,
-                100.0 * clock.load(),
-                quality_ == Quality::full ? ". Remedy: --quality reduced, or clients elsewhere" : "");
+            spdlog::warn("simulation time is {:.1f} s behind the clock (load {:.0f} %){}", behind,
+                         100.0 * clock.load(),
+                         quality_ == Quality::full
+                             ? ". Remedy: --quality reduced, or clients on another machine"
+                             : "");
         }
         if (const std::string found = saliva_monitor_.check(simulation_->snapshot().saliva); !found.empty()) {
             spdlog::warn("{}", found);
