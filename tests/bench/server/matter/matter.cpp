@@ -339,8 +339,6 @@ constexpr std::array variants = {
     Variant{"16 substeps", [](MatterOptions& m) { m.substeps = 16, m.no_hold = true; }},
     Variant{"2.5 mm", [](MatterOptions& m) { m.spacing = 2.5, m.no_hold = true; }},
     Variant{"1.5 mm", [](MatterOptions& m) { m.spacing = 1.5, m.no_hold = true; }},
-    Variant{"fine 1.25 mm", [](MatterOptions& m) { m.fine_spacing = 1.25, m.no_hold = true; }},
-    Variant{"fine 0.8 mm", [](MatterOptions& m) { m.fine_spacing = 0.8, m.no_hold = true; }},
 };
 
 /// Writes rows as a table. Values that a row lacks stay empty.
