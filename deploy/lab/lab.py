@@ -53,7 +53,7 @@ class Lab(session_run.Session):
     def __init__(self, options, folder, say=None):
         say = say or session_run.say
         quiet = ["--every", 0, "--no-video"] if not options.pictures else []
-        observer = ["--observe", "--json", "--offscreen", folder / "observer-2", *quiet]
+        observer = ["--wait", session_run.FIRST_SCENE, "--observe", "--json", "--offscreen", folder / "observer-2", *quiet]
         super().__init__(options.bin_there, folder, options.scenario, options.operator, options.domain, say=say,
                          name=f"lab-{os.getpid()}",
                          extra={"trainee": ["--json", *quiet], "observer": ["--json", *quiet]})
@@ -238,6 +238,11 @@ def parse():
     options = parser.parse_args()
     options.bin, options.out = options.bin.absolute(), options.out.absolute()
     options.bin_there = options.bin_there or options.bin
+    if not options.hosts:
+        # Entering a namespace changes the working folder.
+        for name in ("scenario", "operator"):
+            if Path(getattr(options, name)).is_file():
+                setattr(options, name, str(Path(getattr(options, name)).absolute()))
     if options.meet is None:
         # A secured lab admits no discovery server without an identity.
         options.meet = "discovery" if not options.security else "peers" if options.no_multicast else "multicast"
