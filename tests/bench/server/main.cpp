@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
 
     eti::bench::SufficiencyOptions sufficiency;
     eti::CommandLine shrink = app.add_subcommand(
-        "sufficiency", "Outcome of a scripted intubation over the resolution of the model (half an hour)");
+        "sufficiency", "Outcome of a scripted intubation over the resolution of the model (a quarter of an hour)");
     shrink.add_option("--out", sufficiency.out, "Folder for the table").capture_default_str();
     shrink.add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path").capture_default_str();
     shrink
@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
     costs.add_flag("--sweeps", speed.sweeps, "Only the scene's steps while posture and tissue change");
     eti::bench::SleepOptions sleep;
     eti::CommandLine resting = app.add_subcommand(
-        "sleep", "Effect of sleeping tissue on an attempt, and its savings per step (ten minutes)");
+        "sleep", "Effect of sleeping tissue on an attempt, and its savings per step (three minutes)");
     resting.add_option("--out", sleep.out, "Folder for the tables").capture_default_str();
     resting.add_option("--scenario", sleep.scenarios, "Scenarios by name or path").capture_default_str();
     resting.add_flag("--quick", sleep.quick, "Two seconds of the attempt, with the shipped model");

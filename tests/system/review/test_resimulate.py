@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the NeoETI authors
-"""A recorded session is re-simulated: bit for bit, or the first difference and its reason are reported."""
+"""A recorded session is resimulated: bit for bit, or the first difference and its reason are reported."""
 
 import json
 import re
