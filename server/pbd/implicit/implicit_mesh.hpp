@@ -50,10 +50,17 @@ class ImplicitMesh {
     };
     Settings settings;
 
-    /// Elements may share particles; either kind may be missing.
+    /// Springs between two particles, without load at rest. At least one end is an element's corner; the
+    /// other may be any particle, which a step holds where it is.
+    struct Links {
+        std::vector<std::array<std::uint32_t, 2>> ends;
+        std::vector<float> stiffness;  ///< [links][N/m]
+    };
+    /// Elements may share particles; each kind may be missing.
     struct Description {
         Tetrahedra::Description tetrahedra;
         Hexahedra::Description hexahedra;
+        Links links{};
     };
 
     /// A spring to a point that is fixed within a step.
@@ -77,6 +84,24 @@ class ImplicitMesh {
     void set_rest(const Particles& particles);
     /// Young's moduli [tetrahedra][Pa] and [hexahedra][Pa].
     void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra = {});
+
+    /// Stiffness [links][N/m], in the order of the description.
+    void set_link_stiffness(std::span<const float> stiffness);
+    /// Calls body(particle, force) with the force [N] of each link on its end outside the mesh, if it has
+    /// one.
+    template <class Body>
+    void for_outer_ends(const Particles& particles, const Body& body) const {
+        for (const Link& link : links_) {
+            const std::size_t outer = link.corner[0] == no_corner ? 0 : 1;
+            if (link.corner[outer] == no_corner) {
+                const Vec3f apart =
+                    particles.position[link.particle[1 - outer]] - particles.position[link.particle[outer]];
+                const float distance = std::max(apart.norm(), shortest_link);
+                body(link.particle[outer],
+                     Vec3f(link.stiffness * (distance - link.length) / distance * apart));
+            }
+        }
+    }
 
     /// From now on the shear stress relaxes; call after configure(). Moduli are those of a sudden load.
     void relax(const Relaxation& relaxation);
@@ -145,12 +170,25 @@ class ImplicitMesh {
         float stiffness = 0.0f;                 // lambda V/8 [N m]
     };
 
+    static constexpr std::uint32_t no_corner = ~0u;
+    static constexpr float shortest_link = 1e-9f;  // [m]; has a direction
+
+    /// A link, and its linearisation.
+    struct Link {
+        std::array<std::uint32_t, 2> particle{}, corner{};  // or no_corner
+        std::uint32_t number = 0;                           // in the description
+        float stiffness = 0.0f, length = 0.0f;              // [N/m], [m] at rest
+        Eigen::Vector4f square = Eigen::Vector4f::Zero(),
+                        mixed = Eigen::Vector4f::Zero();  // its matrix [N/m]: xx yy zz, yz zx xy
+    };
+
     /// A spatially compact part of the elements that one task processes, and its contributions to its
     /// corners. The partition depends on the mesh only.
     struct Part {
         // Ranges of blocks.
         std::vector<std::array<std::uint32_t, 2>> tetrahedra, hexahedra;
-        std::uint32_t first = 0, end = 0;  // corners
+        std::array<std::size_t, 2> links{};  // range of links_
+        std::uint32_t first = 0, end = 0;    // corners
         // Per corner: gradient and, fourth, the isotropic part of the diagonal; the rest of its diagonal
         // block: xx yy zz, yz zx xy; and the image of a direction.
         Wide gradient, square, mixed, image;
@@ -170,6 +208,11 @@ class ImplicitMesh {
     };
 
     void cut();
+    /// Assigns the links to parts.
+    void cut_links(const Links& links, const Particles& particles);
+    void set_link_lengths(const Particles& particles);
+    /// Linearises the links of all parts at x_, and adds their forces to the parts' gradients.
+    void linearise_links(const Particles& particles);
     void measure_own_stiffness();
     /// Linearises the parts' elements at x_, and advances their `memory` by a `step`, unless it is nullptr.
     void linearise_elements(const RelaxationStep& step, RelaxationMemory* memory);
@@ -179,6 +222,7 @@ class ImplicitMesh {
     void add_if_crushed(Part& part, const std::array<std::uint32_t, 4>& corner, float inverse_determinant,
                         float stiffness) const;
     static void apply(const CrushedCorner& crushed, const Wide& along, Wide& image);
+    static void apply(const Link& link, const Wide& along, Wide& image);
     void add_springs(const Particles& particles);
     void add_contacts();
     void add_contact(MeshContact& contact);
@@ -214,6 +258,7 @@ class ImplicitMesh {
     Tetrahedra tetrahedra_;
     Hexahedra hexahedra_;
     RelaxationMemory memory_;
+    std::vector<Link> links_;  // by part
     std::vector<Part> parts_;
     std::vector<Range> ranges_;
     std::vector<Element> tetrahedron_element_;                  // [blocks of tetrahedra]
