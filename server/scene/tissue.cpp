@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -95,6 +96,15 @@ void join_strips_of_epiglottis(const patient::Patient& patient, std::span<const 
     }
 }
 
+/// The stiffness [N/m] of these links, of `all`.
+std::vector<float> stiffness_of(std::span<const std::uint32_t> links, const std::vector<float>& all) {
+    std::vector<float> out;
+    for (const std::uint32_t l : links) {
+        out.push_back(all[l]);
+    }
+    return out;
+}
+
 }  // namespace
 
 SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, float substep)
@@ -154,12 +164,37 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
         fill_moduli(patient.tissue_stiffness);
         mesh.tetrahedra = {cells_.tetrahedra, tetrahedron_moduli_, tetrahedron_poisson_ratio};
         mesh.hexahedra = {cells_.hexahedra, hexahedron_moduli_, hexahedron_poisson_ratio};
+        // A plate of whole cells is far stiffer than what it hangs on, so that exchanging forces from step to
+        // step would drag on it. What attaches the tongue is as soft as the tongue.
+        const bool plate = std::ranges::none_of(cells_.tetrahedra, [&](const auto& corners) {
+            return std::ranges::any_of(corners,
+                                       [&](std::uint32_t i) { return set.tissue[i] == Tissue::epiglottis; });
+        });
+        for (std::uint32_t l = 0; l < patient.links.ends.size(); ++l) {
+            const auto& ends = patient.links.ends[l];
+            const bool of_plate = plate && std::ranges::any_of(ends, [&](std::uint32_t i) {
+                                      return meshed[i] && set.tissue[i] == Tissue::epiglottis;
+                                  });
+            (of_plate ? mesh_links_ : substep_links_).push_back(l);
+            if (of_plate) {
+                mesh.links.ends.push_back(ends);
+            }
+        }
+        mesh.links.stiffness = stiffness_of(mesh_links_, patient.links.stiffness);
         tongue_.configure(mesh, surface_of_mesh(meshed), p, substep);
         tongue_.keep_apart(solid());
     }
     fitted_.configure(description(fitted_clusters_, substep, fitted_reach), p);
     drawn_.configure(patient, meshed_);
-    body_.links.configure(patient.links.ends, patient.links.stiffness, p);
+    if (method != TissueMethod::implicit) {
+        substep_links_.resize(patient.links.ends.size());
+        std::iota(substep_links_.begin(), substep_links_.end(), 0u);
+    }
+    std::vector<pbd::Links::Pair> ends;
+    for (const std::uint32_t l : substep_links_) {
+        ends.push_back(patient.links.ends[l]);
+    }
+    body_.links.configure(std::move(ends), stiffness_of(substep_links_, patient.links.stiffness), p);
 
     const patient::ClusterSet& clusters = patient.clusters;
     const std::vector<patient::BoneWeights> of_frame = patient::frame_bones(patient);
@@ -311,11 +346,12 @@ void SoftTissue::update_moduli() {
             size * input_modulus_of(patient_, c, patient::cluster_modulus(patient_, c, soft_), substep_));
     }
     body_.shapes.set_youngs_modulus(moduli_);
-    moduli_.clear();
+    std::vector<float> of_links;
     for (std::uint32_t l = 0; l < patient_.links.ends.size(); ++l) {
-        moduli_.push_back(patient::link_stiffness(patient_, l, soft_));
+        of_links.push_back(patient::link_stiffness(patient_, l, soft_));
     }
-    body_.links.set_stiffness(moduli_);
+    body_.links.set_stiffness(stiffness_of(substep_links_, of_links));
+    tongue_.set_link_stiffness(stiffness_of(mesh_links_, of_links));
 }
 
 void SoftTissue::enable_sleeping() {

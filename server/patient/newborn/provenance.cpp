@@ -18,7 +18,8 @@ Provenance provenance_of(const NewbornShape& shape, const BuildSettings& setting
 }
 
 Provenance provenance_of(const BuildSettings& settings) {
-    return {{"version", ETI_VERSION},
+    return {{"epiglottis", settings.plate ? "plate" : "lattice"},
+            {"version", ETI_VERSION},
             {"revision", ETI_ANATOMY_REVISION},  // hash of the sources that shape the model
             {"spacing_m", fmt::format("{}", settings.spacing)},
             {"fine_spacing_m", fmt::format("{}", settings.fine_spacing)},
@@ -31,7 +32,7 @@ Provenance provenance_of(const BuildSettings& settings) {
 
 Provenance surface_provenance(Provenance provenance) {
     for (const char* const of_particles :
-         {"spacing_m", "fine_spacing_m", "region_m", "tissue_stiffness_pa"}) {
+         {"spacing_m", "fine_spacing_m", "epiglottis", "region_m", "tissue_stiffness_pa"}) {
         provenance.erase(of_particles);
     }
     return provenance;

@@ -110,9 +110,7 @@ void SkeletonCoupling::gather_loads(const ProxySnapshot& proxy, float contact_st
             pass_on(particle, impulse / step_duration);
         }
     });
-    tissue.tongue().for_attachments([&](const pbd::ImplicitMesh::Spring& spring) {
-        pass_on(spring.particle, spring.stiffness * (p.position[spring.particle] - spring.to));
-    });
+    tissue.tongue().for_attachments(p, pass_on);
 }
 
 bool SkeletonCoupling::needs_step() const {

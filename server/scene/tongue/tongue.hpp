@@ -48,14 +48,17 @@ class Tongue {
     }
     /// Bones that hold the mesh and yield.
     [[nodiscard]] pbd::YieldingBodies& bodies() { return mesh_.bodies; }
-    /// Calls body(spring) for the springs of the last solve that stand for tissue outside the mesh.
+    /// Calls body(particle, force) with each force [N] of the mesh on tissue outside of it: of the last
+    /// solve's springs, and of links.
     template <class Body>
-    void for_attachments(const Body& body) const {
+    void for_attachments(const pbd::Particles& particles, const Body& body) const {
         for (const pbd::ImplicitMesh::Spring& spring : mesh_.springs) {
             if (spring.attachment) {
-                body(spring);
+                body(spring.particle,
+                     Vec3f(spring.stiffness * (particles.position[spring.particle] - spring.to)));
             }
         }
+        mesh_.for_outer_ends(particles, body);
     }
     /// Calls body(contact) for the contacts with the shell that find_contacts() has found.
     template <class Body>
@@ -72,6 +75,8 @@ class Tongue {
     /// [tetrahedra][Pa] and [hexahedra][Pa]
     void set_youngs_modulus(std::span<const float> tetrahedra, std::span<const float> hexahedra,
                             pbd::Particles& particles);
+    /// [links of the mesh][N/m]
+    void set_link_stiffness(std::span<const float> stiffness) { mesh_.set_link_stiffness(stiffness); }
     /// Discards contacts and memory of deformations; particles must be at rest.
     void reset(pbd::Particles& particles);
 

@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
 
     eti::bench::SufficiencyOptions sufficiency;
     eti::CommandLine shrink = app.add_subcommand(
-        "sufficiency", "Outcome of a scripted intubation over the resolution of the model (a quarter of an hour)");
+        "sufficiency",
+        "Outcome of a scripted intubation over the resolution of the model (a quarter of an hour)");
     shrink.add_option("--out", sufficiency.out, "Folder for the table").capture_default_str();
     shrink.add_option("--scenario", sufficiency.scenarios, "Scenarios by name or path").capture_default_str();
     shrink
@@ -91,6 +92,8 @@ int main(int argc, char** argv) {
     lift.add_number("--spacing", matter.spacing, "Spacing of particles [mm] instead of the scenarios'",
                     {0, 5});
     lift.add_number("--fine-spacing", matter.fine_spacing, "The same at epiglottis and larynx", {0, 2});
+    lift.add_flag("--plate", matter.plate,
+                  "The epiglottis as a plate with rows of its own, its links in the solve (under trial)");
     lift.add_flag("--fixed-bones", matter.fixed_bones, "Head, mandible and hyoid do not yield");
     lift.add_flag("--elastic", matter.elastic, "The stress of tongue and epiglottis does not relax");
     lift.add_flag("--no-blocks", matter.no_blocks, "Lifts only");

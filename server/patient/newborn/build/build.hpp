@@ -2,6 +2,11 @@
 // Copyright the NeoETI authors
 #pragma once
 
+#include <array>
+#include <compare>
+#include <span>
+#include <vector>
+
 #include "common/model/newborn_shape.hpp"
 #include "server/patient/model/model_file.hpp"
 #include "server/patient/model/patient.hpp"
@@ -15,6 +20,9 @@ struct BuildSettings {
     float spacing = 2.0e-3f;       ///< [m], particles of the bulk
     float fine_spacing = 1.0e-3f;  ///< [m], particles of epiglottis and larynx
     float region = 7.0e-3f;        ///< [m], tissue farther from the airway is rigidly bound to bone
+    /// The epiglottis as a plate of its own (epiglottis_plate.hpp) instead of on the lattice: under trial,
+    /// see docs/decisions/epiglottis.md.
+    bool plate = false;
     /// [Pa], Young's modulus of tongue and mucosa. Measured tissue has 8.0 +- 0.9 kPa (Cheng 2011, J Biomech
     /// 44:450). The floor of the mouth is as soft as the tongue that is pressed into it
     /// (docs/decisions/airway-shell.md).
@@ -41,11 +49,19 @@ struct BuildSettings {
 /// The part that surfaces and shell depend on: without particle spacing and stiffness.
 [[nodiscard]] Provenance surface_provenance(Provenance provenance);
 
+/// A particle's place on one of the lattices; elements join neighbours on the same lattice.
+struct LatticePlace {
+    int lattice = 0;
+    std::array<int, 3> index{};  ///< along right-handed axes
+    auto operator<=>(const LatticePlace&) const = default;
+};
+
 // Stages of build_patient(), each adding its part of the model; set_tissue_stiffness() then sets the
 // stiffness.
-void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
+[[nodiscard]] std::vector<LatticePlace> build_particles(const Anatomy& anatomy, const BuildSettings& settings,
+                                                        Patient& patient);
 void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
-void build_tetrahedra(const Anatomy& anatomy, Patient& patient);
+void build_tetrahedra(std::span<const LatticePlace> places, Patient& patient);
 void build_links(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);
 void build_frames(Patient& patient);
 void build_surfaces(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient);

@@ -9,6 +9,7 @@
 #include "common/math/units.hpp"
 #include "common/mesh/point_grid.hpp"
 #include "server/patient/newborn/build/build.hpp"
+#include "server/patient/newborn/build/epiglottis_plate.hpp"
 
 namespace eti::patient {
 
@@ -93,10 +94,21 @@ bool of_stalk(const ParticleSet& set, std::uint32_t i, const Vec3f& stalk, float
 
 }  // namespace
 
-void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {
+std::vector<LatticePlace> build_particles(const Anatomy& anatomy, const BuildSettings& settings,
+                                          Patient& patient) {
     ParticleSet& set = patient.particles;
+    std::vector<LatticePlace> places;
     const float size = anatomy.scale() / millimetre;
     const auto [low, high] = anatomy.airway_bounds();
+    const auto add = [&](const Vec3f& point, float radius, float mass, Tissue tissue, LatticePlace place) {
+        set.rest.push_back(point);
+        set.radius.push_back(radius);
+        set.tissue.push_back(tissue);
+        set.mass.push_back(mass);
+        set.bones.push_back(anatomy.bone_weights(point, tissue));
+        place.lattice = 2 * family_of(tissue) + place.lattice;
+        places.push_back(place);
+    };
     const auto fill = [&](float spacing, bool fine) {
         const Vec3f extent = (high - low) / spacing;
         // A lattice with an odd number of points about the mid-sagittal plane is left-right symmetric.
@@ -109,20 +121,24 @@ void build_particles(const Anatomy& anatomy, const BuildSettings& settings, Pati
                                       low.z() + (static_cast<float>(k) + 0.5f) * spacing);
                     const Voxel voxel =
                         classify(anatomy, anatomy.fields(point), point, spacing, settings.region * size);
-                    if (!voxel.filled || voxel.fine != fine) {
-                        continue;
+                    const bool is_plate = settings.plate && voxel.tissue == Tissue::epiglottis;
+                    if (voxel.filled && voxel.fine == fine && !is_plate) {
+                        const float mass = voxel.fixed ? 0.0f : tissue_density * spacing * spacing * spacing;
+                        add(point, 0.5f * spacing, mass, voxel.tissue, {fine ? 0 : 1, {i, j, k}});
                     }
-                    set.rest.push_back(point);
-                    set.radius.push_back(0.5f * spacing);
-                    set.tissue.push_back(voxel.tissue);
-                    set.mass.push_back(voxel.fixed ? 0.0f : tissue_density * spacing * spacing * spacing);
-                    set.bones.push_back(anatomy.bone_weights(point, voxel.tissue));
                 }
             }
         }
     };
     fill(settings.spacing * size, false);
     fill(settings.fine_spacing * size, true);
+    if (settings.plate) {
+        for (const PlateNode& node : epiglottis_plate(anatomy, settings.fine_spacing * size)) {
+            add(node.position, node.radius, tissue_density * node.volume, Tissue::epiglottis,
+                {0, node.index});
+        }
+    }
+    return places;
 }
 
 void build_clusters(const Anatomy& anatomy, const BuildSettings& settings, Patient& patient) {

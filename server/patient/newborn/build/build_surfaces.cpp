@@ -51,9 +51,9 @@ Patient build_patient(const Anatomy& anatomy, const BuildSettings& settings, con
     Patient patient;
     patient.weight = anatomy.weight();
     patient.skeleton = anatomy.skeleton();
-    build_particles(anatomy, settings, patient);
+    const std::vector<LatticePlace> places = build_particles(anatomy, settings, patient);
     build_clusters(anatomy, settings, patient);
-    build_tetrahedra(anatomy, patient);
+    build_tetrahedra(places, patient);
     build_links(anatomy, settings, patient);
     set_tissue_stiffness(patient, settings.tissue_stiffness);
     build_frames(patient);

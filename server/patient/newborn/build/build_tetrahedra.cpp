@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the NeoETI authors
 #include <array>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -10,14 +9,6 @@
 namespace eti::patient {
 
 namespace {
-
-/// A lattice position of a family; tetrahedra do not connect different lattices or families.
-struct LatticeCell {
-    int family;
-    float spacing;  // [m]
-    std::array<int, 3> index;
-    auto operator<=>(const LatticeCell&) const = default;
-};
 
 // Division of a cube, corners numbered by bits x, y, z, into a regular tetrahedron and four that cut off the
 // other corners. Neighbouring cubes alternate between the two variants, so that their faces match and left
@@ -29,22 +20,16 @@ constexpr int cut[2][5][4] = {
 
 }  // namespace
 
-void build_tetrahedra(const Anatomy& anatomy, Patient& patient) {
+void build_tetrahedra(std::span<const LatticePlace> places, Patient& patient) {
     const ParticleSet& set = patient.particles;
-    const Vec3f low = anatomy.airway_bounds()[0];
-    std::map<LatticeCell, std::uint32_t> particle_at;
+    std::map<LatticePlace, std::uint32_t> particle_at;
     for (std::uint32_t i = 0; i < set.size(); ++i) {
-        const float spacing = 2.0f * set.radius[i];
-        const Vec3f steps = (set.rest[i] - Vec3f(0.0f, low.y(), low.z())) / spacing;
-        particle_at[{family_of(set.tissue[i]),
-                     spacing,
-                     {static_cast<int>(std::lround(steps.x())), static_cast<int>(std::floor(steps.y())),
-                      static_cast<int>(std::floor(steps.z()))}}] = i;
+        particle_at[places[i]] = i;
     }
-    std::set<LatticeCell> cells;  // each identified by its lowest corner
+    std::set<LatticePlace> cells;  // each identified by its lowest corner
     for (const auto& [at, i] : particle_at) {
         for (int k = 0; k < 8; ++k) {
-            LatticeCell cell = at;
+            LatticePlace cell = at;
             for (int axis = 0; axis < 3; ++axis) {
                 cell.index[static_cast<std::size_t>(axis)] -= k >> axis & 1;
             }
@@ -52,10 +37,10 @@ void build_tetrahedra(const Anatomy& anatomy, Patient& patient) {
         }
     }
     constexpr std::uint32_t none = ~0u;
-    for (const LatticeCell& cell : cells) {
+    for (const LatticePlace& cell : cells) {
         std::array<std::uint32_t, 8> corner{};
         for (int k = 0; k < 8; ++k) {
-            LatticeCell at = cell;
+            LatticePlace at = cell;
             for (int axis = 0; axis < 3; ++axis) {
                 at.index[static_cast<std::size_t>(axis)] += k >> axis & 1;
             }

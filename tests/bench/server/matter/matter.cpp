@@ -17,9 +17,11 @@
 
 #include "common/math/units.hpp"
 #include "common/model/pace.hpp"
+#include "server/app/run/patient_cache.hpp"
 #include "server/app/run/simulation.hpp"
 #include "server/metrics/attempt.hpp"
 #include "server/patient/model/tetrahedra_of.hpp"
+#include "server/patient/newborn/from_scenario.hpp"
 #include "tests/bench/server/matter/block_cases.hpp"
 #include "tests/bench/server/matter/lift_path.hpp"
 #include "tests/bench/server/matter/tissue_volume.hpp"
@@ -201,6 +203,15 @@ std::filesystem::path committed_path(const std::string& scenario) {
     return source_file("tests/bench/server/matter/" + scenario + "_lift.csv");
 }
 
+patient::Patient patient_of(const MatterOptions& options, const Scenario& scenario) {
+    if (!options.plate) {
+        return app::patient_of(scenario);
+    }
+    patient::BuildSettings settings = patient::settings_of(scenario);
+    settings.plate = true;
+    return app::cached_patient(scenario.patient.shape, settings);
+}
+
 Scenario scenario_of(const MatterOptions& options, const std::string& name) {
     Scenario scenario = load_scenario(find_data_file(name, "scenarios"));
     if (options.substeps > 0) {
@@ -285,7 +296,7 @@ nlohmann::ordered_json replayed_lifts(const MatterOptions& options, const char* 
     nlohmann::ordered_json lifts = nlohmann::ordered_json::array();
     for (const std::string& name : options.scenarios) {
         Scenario scenario = scenario_of(options, name);
-        const patient::Patient patient = app::patient_of(scenario);
+        const patient::Patient patient = patient_of(options, scenario);
         const LiftPath path = read_path(options.path.empty() ? committed_path(name) : options.path);
         std::vector<std::string> methods = options.methods;
         if (methods.empty()) {
@@ -366,7 +377,7 @@ void write(const nlohmann::ordered_json& rows, const std::filesystem::path& fold
 int matter(const MatterOptions& options) {
     if (!options.record.empty()) {
         const Scenario scenario = scenario_of(options, options.scenarios.front());
-        write_path(record_lift(scenario, app::patient_of(scenario)), options.record);
+        write_path(record_lift(scenario, patient_of(options, scenario)), options.record);
         return 0;
     }
     nlohmann::ordered_json lifts = replayed_lifts(options, shipped);

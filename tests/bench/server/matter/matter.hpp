@@ -18,6 +18,7 @@ struct MatterOptions {
     int substeps = 0;                  ///< 0: as the scenario says
     double spacing = 0.0;              ///< [mm], 0: as the scenario says
     double fine_spacing = 0.0;         ///< [mm], 0: as the scenario says
+    bool plate = false;                ///< the epiglottis as a plate of its own
     bool fixed_bones = false;          ///< head, mandible and hyoid do not yield
     bool elastic = false;              ///< the tissue does not relax
     bool no_blocks = false;            ///< no blocks
