@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "server/app/run/patient_cache.hpp"
 #include "server/scene/scene.hpp"
 #include "server/scene/tissue.hpp"
+#include "tests/support/coarse_newborn.hpp"
+#include "tests/support/newborn_scene.hpp"
 
 namespace eti::scene {
 namespace {
@@ -165,6 +168,38 @@ TEST_F(EpiglottisTest, FoldsFollowPlateSymmetrically) {
     RecordProperty("held_um", static_cast<int>(1e6f * held));
     RecordProperty("cut_um", static_cast<int>(1e6f * cut));
     EXPECT_GT(held, 2.0f * cut);
+}
+
+// The plate under trial, whose links are part of the solve. When they also pulled at the larynx, it left its
+// rest by itself.
+TEST(EpiglottisPlateScene, ReturnsToRestAfterTilt) {
+    patient::BuildSettings settings = test::coarse_build;
+    settings.plate = true;
+    const patient::Patient patient = app::cached_patient({}, settings);
+    Inputs inputs = test::parked_tools(20.0f, 25.0f);
+    Scene scene(patient, make_laryngoscope(Blade::miller_1), Tube{}, inputs, {});
+    const pbd::Particles& p = scene.tissue().body().particles;
+    std::vector<std::uint32_t> plate;
+    for (std::uint32_t i = 0; i < p.size(); ++i) {
+        if (patient.particles.tissue[i] == Tissue::epiglottis) {
+            plate.push_back(i);
+            ASSERT_TRUE(scene.tissue().tongue().moves(i)) << i;
+        }
+    }
+    ASSERT_GT(plate.size(), 60u);
+    const auto farthest = [&] {
+        float most = 0.0f;
+        for (const std::uint32_t i : plate) {
+            most = std::max(most, (p.position[i] - p.rest[i]).norm());
+        }
+        return most;
+    };
+    inputs.runtime_parameters.table_angle = 0.3f;
+    test::hold(scene, inputs, 2 * steps_per_second);
+    EXPECT_GT(farthest(), 20e-6f) << "it sags";
+    inputs.runtime_parameters.table_angle = 0.0f;
+    test::hold(scene, inputs, 5 * steps_per_second);
+    EXPECT_LT(farthest(), 20e-6f);
 }
 
 }  // namespace
