@@ -94,8 +94,7 @@ class SoftTissue {
     pbd::ShapeMatching fitted_;  // clusters of particles that tetrahedra move; used for their frames only
     SkinFrameCorrection drawn_;  // corrects fitted frames to the tetrahedra
     std::vector<std::uint32_t> held_clusters_, fitted_clusters_;  // indices of both in the patient
-    /// Links that the mesh solves, and those that substeps do: indices in the patient. A link between mesh
-    /// and clusters is in both.
+    /// Links that the mesh solves, and those that substeps do: indices in the patient.
     std::vector<std::uint32_t> mesh_links_, substep_links_;
     patient::BonePoses bones_;
     std::vector<patient::BoneWeights> cluster_bones_;  // [clusters], mean over the members
