@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -159,42 +158,36 @@ SoftTissue::SoftTissue(const patient::Patient& patient, TissueMethod method, flo
     }
     body_.shapes.configure(held, p);
     p.inverse_mass = own;
+    // A plate of whole cells is far stiffer than what it hangs on, so that exchanging forces from step to
+    // step would drag on it. What attaches the tongue is as soft as the tongue.
+    const bool plate = std::ranges::none_of(cells_.tetrahedra, [&](const auto& corners) {
+        return std::ranges::any_of(corners,
+                                   [&](std::uint32_t i) { return set.tissue[i] == Tissue::epiglottis; });
+    });
+    pbd::ImplicitMesh::Links links_of_mesh;
+    std::vector<pbd::Links::Pair> links_of_substeps;
+    for (std::uint32_t l = 0; l < patient.links.ends.size(); ++l) {
+        const auto& ends = patient.links.ends[l];
+        const bool of_plate = plate && std::ranges::any_of(ends, [&](std::uint32_t i) {
+                                  return meshed[i] && set.tissue[i] == Tissue::epiglottis;
+                              });
+        (of_plate ? mesh_links_ : substep_links_).push_back(l);
+        (of_plate ? links_of_mesh.ends : links_of_substeps).push_back(ends);
+    }
+    links_of_mesh.stiffness = stiffness_of(mesh_links_, patient.links.stiffness);
     if (method == TissueMethod::implicit) {
         pbd::ImplicitMesh::Description mesh;
         fill_moduli(patient.tissue_stiffness);
         mesh.tetrahedra = {cells_.tetrahedra, tetrahedron_moduli_, tetrahedron_poisson_ratio};
         mesh.hexahedra = {cells_.hexahedra, hexahedron_moduli_, hexahedron_poisson_ratio};
-        // A plate of whole cells is far stiffer than what it hangs on, so that exchanging forces from step to
-        // step would drag on it. What attaches the tongue is as soft as the tongue.
-        const bool plate = std::ranges::none_of(cells_.tetrahedra, [&](const auto& corners) {
-            return std::ranges::any_of(corners,
-                                       [&](std::uint32_t i) { return set.tissue[i] == Tissue::epiglottis; });
-        });
-        for (std::uint32_t l = 0; l < patient.links.ends.size(); ++l) {
-            const auto& ends = patient.links.ends[l];
-            const bool of_plate = plate && std::ranges::any_of(ends, [&](std::uint32_t i) {
-                                      return meshed[i] && set.tissue[i] == Tissue::epiglottis;
-                                  });
-            (of_plate ? mesh_links_ : substep_links_).push_back(l);
-            if (of_plate) {
-                mesh.links.ends.push_back(ends);
-            }
-        }
-        mesh.links.stiffness = stiffness_of(mesh_links_, patient.links.stiffness);
+        mesh.links = std::move(links_of_mesh);
         tongue_.configure(mesh, surface_of_mesh(meshed), p, substep);
         tongue_.keep_apart(solid());
     }
     fitted_.configure(description(fitted_clusters_, substep, fitted_reach), p);
     drawn_.configure(patient, meshed_);
-    if (method != TissueMethod::implicit) {
-        substep_links_.resize(patient.links.ends.size());
-        std::iota(substep_links_.begin(), substep_links_.end(), 0u);
-    }
-    std::vector<pbd::Links::Pair> ends;
-    for (const std::uint32_t l : substep_links_) {
-        ends.push_back(patient.links.ends[l]);
-    }
-    body_.links.configure(std::move(ends), stiffness_of(substep_links_, patient.links.stiffness), p);
+    body_.links.configure(std::move(links_of_substeps), stiffness_of(substep_links_, patient.links.stiffness),
+                          p);
 
     const patient::ClusterSet& clusters = patient.clusters;
     const std::vector<patient::BoneWeights> of_frame = patient::frame_bones(patient);
